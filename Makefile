@@ -1,0 +1,36 @@
+# The verbs of the house. PYTHON=python3.13 selects the interpreter; everything lives in .venv.
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready-$(notdir $(PYTHON))
+
+.PHONY: run test quick check bench clean
+
+run: $(READY)            ## start the service on a simulated ceiling camera
+	$(BIN)/pslv serve
+
+test: $(READY)           ## all tests
+	$(BIN)/python -m pytest $(ARGS)
+
+quick: $(READY)          ## the tests that take under a minute together
+	$(BIN)/python -m pytest -m "not slow and not browser" $(ARGS)
+
+check: $(READY)          ## style, types, import rules, spelling
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/codespell README.md CHANGELOG.md CONTRIBUTING.md docs vision_core app web config tests bench examples
+
+bench: $(READY)          ## every published figure, measured
+	$(BIN)/python -m bench
+
+clean:
+	rm -rf .venv .pslv .mypy_cache .ruff_cache .pytest_cache .hypothesis
+
+$(READY): pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "PSLV needs Python 3.11 or newer; PYTHON=... selects one")'
+	rm -rf $(VENV)
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	touch $@

@@ -1,0 +1,103 @@
+"""Equation 1 of the PSLV paper: a hyperboloidal mirror over a pinhole camera.
+
+    R = int(f^-1(r)),   r = f(R) = R / (A - B sqrt(C + R^2))
+
+r [mm] is a distance on the floor from the robot's center, R [px] the distance from the image center
+of the simulated on-board camera. With focal length f [px], effective viewpoint at height h [mm] and
+b/a = sinh(u/2) of the hyperboloid x^2/a^2 - z^2/b^2 = -1:
+
+    C = f^2,   A = f cosh(u) / h,   B = sinh(u) / h,   D = A^2 - B^2 C = C / h^2
+
+The inverse R = D r / (A + B sqrt(C + D r^2)) is stable for every r >= 0 and has no branches; the
+textbook quadratic loses all digits near r = 1/B.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import overload
+
+import numpy as np
+
+from vision_core.errors import SettingsError
+from vision_core.geometry import Floats
+
+LEAST_HORIZON_PX = 20.0
+LARGEST_PX = 254
+"""Two hexadecimal digits; ff means nothing within range."""
+LEAST_SPAN_PX = 3.0
+MM_PER_M = 1000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Mirror:
+    """The constants of equation 1, for distances in millimetres.
+
+    Raises SettingsError naming the violated rule: finite, C > 0, B >= 0, A > B sqrt(C), and the
+    horizon sqrt(A^2 / B^2 - C) within 20..254 px.
+    """
+
+    a: float
+    b: float
+    c: float
+
+    def __post_init__(self) -> None:
+        found = f"A {self.a:g}, B {self.b:g}, C {self.c:g}"
+        rules = (
+            (all(math.isfinite(v) for v in (self.a, self.b, self.c)), "finite numbers"),
+            (self.c > 0.0, "C > 0"),
+            (self.b >= 0.0, "B >= 0"),
+            (self.c > 0.0 and self.a > self.b * math.sqrt(self.c), "A > B sqrt(C)"),
+        )
+        for holds, accepted in rules:
+            if not holds:
+                raise SettingsError("a mirror of equation 1", found=found, accepted=accepted)
+        horizon = self.horizon_px
+        if not LEAST_HORIZON_PX <= horizon <= LARGEST_PX:
+            raise SettingsError(
+                "a mirror of equation 1",
+                found=f"{found}: the horizon at {horizon:.1f} px",
+                accepted=f"a horizon of {LEAST_HORIZON_PX:.0f}..{LARGEST_PX} px",
+            )
+
+    @property
+    def horizon_px(self) -> float:
+        """Where the infinitely far floor would be seen [px]; inf when B is 0."""
+        return math.sqrt(self.a**2 / self.b**2 - self.c) if self.b > 0.0 else math.inf
+
+    @overload
+    def px_from_mm(self, r_mm: float) -> float: ...
+    @overload
+    def px_from_mm(self, r_mm: Floats) -> Floats: ...
+    def px_from_mm(self, r_mm: float | Floats) -> float | Floats:
+        """f^-1: distance in the mirror's image [px] of a distance on the floor [mm], any r >= 0."""
+        d = self.a**2 - self.b**2 * self.c
+        px: Floats = d * r_mm / (self.a + self.b * np.sqrt(self.c + d * np.square(r_mm)))
+        return px if isinstance(r_mm, np.ndarray) else float(px)
+
+    @overload
+    def mm_from_px(self, r_px: float) -> float: ...
+    @overload
+    def mm_from_px(self, r_px: Floats) -> Floats: ...
+    def mm_from_px(self, r_px: float | Floats) -> float | Floats:
+        """f: distance on the floor [mm] of a distance in the image [px]; inf from the horizon on."""
+        slope = self.a - self.b * np.sqrt(self.c + np.square(r_px))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mm: Floats = np.where(slope > 0.0, np.divide(r_px, slope), np.inf)
+        return mm if isinstance(r_px, np.ndarray) else float(mm)
+
+    def mm_per_px(self, r_px: float) -> float:
+        """dr/dR: how much floor one pixel spans [mm/px]."""
+        s = math.sqrt(self.c + r_px**2)
+        g = self.a - self.b * s
+        return (g + self.b * r_px**2 / s) / g**2
+
+
+def check_span(mirror: Mirror, diagonal_m: float) -> None:
+    """Raise SettingsError unless the field's diagonal [m] lies at least 3 px beyond one metre."""
+    span = mirror.px_from_mm(diagonal_m * MM_PER_M) - mirror.px_from_mm(MM_PER_M)
+    if diagonal_m > 1.0 and span < LEAST_SPAN_PX:
+        raise SettingsError(
+            f"a mirror for a field with a diagonal of {diagonal_m:.1f} m",
+            found=f"only {span:.1f} px between one metre and the diagonal",
+            accepted=f"at least {LEAST_SPAN_PX:.0f} px",
+        )

@@ -1,0 +1,244 @@
+"""Every setting, declared once: type, range and meaning. The values stand in ``config/default.toml``.
+
+Structs are frozen, refuse unknown keys, and carry a unit in every name. ``settings_files`` loads and
+overlays the files; the web side shows the JSON schema made from these declarations.
+"""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+
+class Record(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Base of all settings."""
+
+
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+Positive = Annotated[float, Meta(gt=0.0)]
+NotNegative = Annotated[float, Meta(ge=0.0)]
+Port = Annotated[int, Meta(ge=0, le=65535)]
+Degrees = Annotated[float, Meta(ge=-360.0, le=720.0)]
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+
+
+class ServerSettings(Record):
+    """Where the service listens."""
+
+    host: Annotated[str, Meta(description="address of the web page")]
+    udp_host: Annotated[str, Meta(description="address of the UDP ports; empty: the same as host")]
+    port: Annotated[Port, Meta(description="TCP port of the web page")]
+    udp_port: Annotated[Port, Meta(description="UDP port where clients send their init")]
+    session_port: Annotated[Port, Meta(description="UDP port of all sessions; 0: udp_port + 1")]
+
+
+class SourceSettings(Record):
+    """Where frames come from."""
+
+    uri: Annotated[str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n or path>")]
+
+
+class PinholeSettings(Record):
+    """Lens and pose of a calibrated camera."""
+
+    focal_px: Positive
+    center_px: Point2
+    distortion: Annotated[tuple[float, float, float, float, float], Meta(description="k1 k2 p1 p2 k3")]
+    position_m: Annotated[Point3, Meta(description="optical center in the field")]
+    rotation_deg: Annotated[Point3, Meta(description="about the camera's x, y, z; 0 0 0 looks straight down")]
+
+
+class NamedPoint(Record):
+    """A point of the floor whose place is known in the picture and on the field."""
+
+    name: str
+    pixel_px: Point2
+    field_m: Point2
+
+
+class HomographySettings(Record):
+    """A camera from named points of the floor."""
+
+    points: Annotated[tuple[NamedPoint, ...], Meta(min_length=4)]
+    position_m: Annotated[Point3, Meta(description="optical center in the field, by tape measure")]
+
+
+class CameraSettings(Record):
+    """One ceiling camera."""
+
+    name: Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,15}$")]
+    width_px: Annotated[int, Meta(ge=64, le=8192)]
+    height_px: Annotated[int, Meta(ge=64, le=8192)]
+    rate_hz: Annotated[float, Meta(gt=0.0, le=1000.0)]
+    shutter_delay_ms: Annotated[float, Meta(ge=0.0, le=1000.0)]
+    model: Literal["pinhole", "homography"]
+    pinhole: PinholeSettings
+    homography: HomographySettings | None = None
+
+
+class SyntheticSettings(Record):
+    """The simulated ceiling camera: what it renders and how badly."""
+
+    seed: int
+    robots_per_team: Annotated[int, Meta(ge=0, le=16)]
+    speed_m_s: Annotated[float, Meta(ge=0.0, le=10.0)]
+    exposure_ms: Annotated[float, Meta(ge=0.0, le=100.0)]
+    read_noise: Annotated[float, Meta(ge=0.0, le=64.0)]
+    shot_noise: Annotated[float, Meta(ge=0.0, le=8.0)]
+    vignetting: Share
+    uneven_light: Share
+    brightness: Annotated[float, Meta(gt=0.0, le=4.0)]
+    shadows: Share
+    clutter: bool
+    feet: Annotated[int, Meta(ge=0, le=20)]
+
+
+class GoalSettings(Record):
+    """Both goals."""
+
+    width_m: NotNegative
+    depth_m: NotNegative
+
+
+class FieldSettings(Record):
+    """The field's measures: from the outer edge of one line to the outer edge of the opposite one."""
+
+    name: str
+    length_m: Annotated[float, Meta(gt=0.2, le=30.0)]
+    width_m: Annotated[float, Meta(gt=0.2, le=30.0)]
+    margin_m: Annotated[float, Meta(ge=0.0, le=5.0, description="from the line to the wall or limit")]
+    walls: Annotated[bool, Meta(description="walls are solid; without them the limit is virtual")]
+    wall_height_m: Annotated[float, Meta(ge=0.0, le=1.0)]
+    corner_cut_m: Annotated[float, Meta(ge=0.0, le=1.0)]
+    line_width_m: Annotated[float, Meta(gt=0.0, le=0.2)]
+    center_circle_radius_m: NotNegative
+    penalty_depth_m: NotNegative
+    penalty_width_m: NotNegative
+    goal: GoalSettings
+
+
+class MirrorSettings(Record):
+    """A, B, C of equation 1, for distances in millimetres."""
+
+    a: float
+    b: float
+    c: float
+
+
+class ColorRange(Record):
+    """A box in the chosen color space; what is left out is not looked at. An angle may wrap: (350, 10)."""
+
+    hue_deg: tuple[Degrees, Degrees] | None = None
+    saturation: tuple[Share, Share] | None = None
+    value: tuple[Share, Share] | None = None
+    phase_deg: tuple[Degrees, Degrees] | None = None
+    module: Annotated[tuple[float, float] | None, Meta(description="0..181")] = None
+    luma: Annotated[tuple[float, float] | None, Meta(description="0..255")] = None
+
+
+class ColorSettings(Record):
+    """Color classes. A class is one box or several; where two claim a color, the one listed first wins."""
+
+    space: Annotated[Literal["hsv", "ymp"], Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase")]
+    classes: dict[str, tuple[ColorRange, ...]]
+
+
+class RobotSettings(Record):
+    """Robots and how they are recognized."""
+
+    pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
+    radius_m: Annotated[float, Meta(gt=0.005, le=1.0)]
+    height_m: Annotated[float, Meta(ge=0.0, le=2.0, description="of the markers over the floor")]
+    min_confidence: Share
+
+
+class BallSettings(Record):
+    """The ball and what counts as one."""
+
+    color: Annotated[str, Meta(description="name of a color class")]
+    radius_m: Annotated[float, Meta(gt=0.002, le=0.5)]
+    min_area: Annotated[float, Meta(gt=0.0, description="smallest area as a share of the predicted one")]
+    max_area: Annotated[float, Meta(gt=0.0)]
+    max_elongation: Annotated[float, Meta(ge=1.0, description="longer side of its box over the shorter one")]
+    min_fill: Annotated[Share, Meta(description="least share of its box that it fills")]
+    surrounding: Annotated[tuple[str, ...], Meta(description="classes of which enough must surround it; empty: not looked at")]
+    min_surrounding: Share
+    inside_robot_m: Annotated[float, Meta(ge=0.0, description="nearer to a robot's center than this it is no ball")]
+    min_confidence: Share
+
+
+class TrackSettings(Record):
+    """Kalman filters and the lives of tracks."""
+
+    validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="a robot unseen for longer is gone")]
+    ball_validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0)]
+    gate_m: Annotated[float, Meta(gt=0.0, le=2.0)]
+    robot_acceleration_m_s2: Positive
+    robot_turn_acceleration_rad_s2: Positive
+    ball_acceleration_m_s2: Positive
+    robot_noise_m: Positive
+    heading_noise_rad: Positive
+    ball_noise_m: Positive
+
+
+class ViewSettings(Record):
+    """What a robot sees."""
+
+    r_min_m: Annotated[float, Meta(ge=0.0, description="nearest distance reported; 0: the robot's own radius")]
+
+
+class Letters(Record):
+    """Edge types on the wire. Robots by number: consecutive letters from the given ones."""
+
+    nothing: Annotated[str, Meta(pattern="^[!-~]$")]
+    wall: Annotated[str, Meta(pattern="^[!-~]$")]
+    goal_blue: Annotated[str, Meta(pattern="^[!-~]$")]
+    goal_yellow: Annotated[str, Meta(pattern="^[!-~]$")]
+    unknown: Annotated[str, Meta(pattern="^[!-~]$")]
+    robot: Annotated[str, Meta(pattern="^[!-~]$")]
+    blue: Annotated[str, Meta(pattern="^[!-~]$")]
+    yellow: Annotated[str, Meta(pattern="^[!-~]$")]
+    first_blue: Annotated[str, Meta(pattern="^[!-~]$")]
+    first_yellow: Annotated[str, Meta(pattern="^[!-~]$")]
+
+
+class ProtocolSettings(Record):
+    """The wire."""
+
+    letters: Letters
+    lease_s: Annotated[float, Meta(gt=0.0, description="a version-1 client silent for longer is dropped")]
+
+
+class AdmissionSettings(Record):
+    """Who may connect beside loopback."""
+
+    subnets: Annotated[tuple[str, ...], Meta(description="addresses or subnets, 192.168.1.0/24")]
+
+
+class MatchSettings(Record):
+    """What a match fixes, the same for both teams."""
+
+    numbers: Annotated[int, Meta(ge=1, le=16, description="robots per team that may connect")]
+    blue_defends: Annotated[Literal["left", "right"], Meta(description="left is the goal at negative x")]
+    blue_ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of blue 1, 2, ...")]
+    yellow_ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of yellow 1, 2, ...")]
+
+
+class Settings(Record):
+    """Everything."""
+
+    field_preset: Annotated[str, Meta(description="file in config/fields, without its ending")]
+    server: ServerSettings
+    source: SourceSettings
+    camera: CameraSettings
+    synthetic: SyntheticSettings
+    field: FieldSettings
+    mirror: MirrorSettings
+    colors: ColorSettings
+    robots: RobotSettings
+    ball: BallSettings
+    tracks: TrackSettings
+    views: ViewSettings
+    protocol: ProtocolSettings
+    admission: AdmissionSettings
+    match: MatchSettings

@@ -1,0 +1,57 @@
+"""4. blobs -> sightings: what one frame shows."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from vision_core.clock import Instant
+
+
+class Team(StrEnum):
+    """The two teams, named by the color of their center dots."""
+
+    BLUE = "blue"
+    YELLOW = "yellow"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSighting:
+    """A robot in one frame."""
+
+    team: Team
+    id: int | None
+    """Marker id; None where it has none or cannot be read."""
+    x_px: float
+    y_px: float
+    """The marker's center in the image."""
+    x_m: float
+    y_m: float
+    heading_rad: float | None
+    """None where the pattern shows no direction."""
+    confidence: float
+    """0..1."""
+
+
+@dataclass(frozen=True, slots=True)
+class BallSighting:
+    """A ball in one frame; x_m, y_m is its point on the floor."""
+
+    x_px: float
+    y_px: float
+    x_m: float
+    y_m: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sightings:
+    """Everything seen in one frame. Balls are ordered by confidence, best first."""
+
+    camera: str
+    frame_number: int
+    grabbed: Instant
+    perceived: Instant
+    """When perception was done with the frame."""
+    robots: tuple[RobotSighting, ...]
+    balls: tuple[BallSighting, ...]
+    reasons: tuple[str, ...]
+    """Why nothing, or too little, was seen."""
