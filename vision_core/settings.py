@@ -161,7 +161,9 @@ class BallSettings(Record):
     max_area: Annotated[float, Meta(gt=0.0)]
     max_elongation: Annotated[float, Meta(ge=1.0, description="longer side of its box over the shorter one")]
     min_fill: Annotated[Share, Meta(description="least share of its box that it fills")]
-    surrounding: Annotated[tuple[str, ...], Meta(description="classes of which enough must surround it; empty: not looked at")]
+    surrounding: Annotated[
+        tuple[str, ...], Meta(description="classes of which enough must surround it; empty: not looked at")
+    ]
     min_surrounding: Share
     inside_robot_m: Annotated[float, Meta(ge=0.0, description="nearer to a robot's center than this it is no ball")]
     min_confidence: Share
@@ -221,7 +223,9 @@ class MatchSettings(Record):
     numbers: Annotated[int, Meta(ge=1, le=16, description="robots per team that may connect")]
     blue_defends: Annotated[Literal["left", "right"], Meta(description="left is the goal at negative x")]
     blue_ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of blue 1, 2, ...")]
-    yellow_ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of yellow 1, 2, ...")]
+    yellow_ids: Annotated[
+        tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of yellow 1, 2, ...")
+    ]
 
 
 class Settings(Record):

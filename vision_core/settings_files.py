@@ -84,9 +84,7 @@ def camera_model_from(settings: Settings) -> CameraModel:
     camera = settings.camera
     if camera.model == "pinhole":
         lens = camera.pinhole
-        return PinholeCamera(
-            lens.focal_px, lens.center_px, lens.distortion, lens.position_m, lens.rotation_deg
-        )
+        return PinholeCamera(lens.focal_px, lens.center_px, lens.distortion, lens.position_m, lens.rotation_deg)
     assert camera.homography is not None
     pixels = np.array([point.pixel_px for point in camera.homography.points])
     places = np.array([point.field_m for point in camera.homography.points])

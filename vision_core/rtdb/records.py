@@ -1,0 +1,240 @@
+"""What is in the database: names, types and codecs of all records.
+
+| record | written by | tells |
+| --- | --- | --- |
+| service | supervisor | version, start, addresses, the settings |
+| processes | supervisor | state of every process |
+| frames/<camera> | capture | the newest images |
+| source/<camera> | capture | what the camera is |
+| sightings/<camera> | perceive | what one frame shows |
+| world | serve | tracks at the frame's instant |
+| views | serve | what every robot would see, as it goes over the wire |
+| serving | serve | clients, rates and lags |
+| sessions | serve | what a restarted serve needs to go on with the same clients |
+| task/<task> | each task | that it lives, and how it does |
+"""
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import msgspec
+
+from vision_core.clock import Instant
+from vision_core.rtdb.layout import RecordSpec
+from vision_core.rtdb.slots import SlotReader, SlotWriter
+from vision_core.rtdb.store import Store
+from vision_core.settings import Settings
+from vision_core.types.objects import Sightings, Team
+from vision_core.types.tracks import World
+
+T = TypeVar("T")
+K_co = TypeVar("K_co", covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceInfo:
+    """What stays the same while the service runs."""
+
+    version: str
+    boot: Instant
+    http: str
+    udp: str
+    settings: Settings
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessInfo:
+    """One process of the service, as the supervisor sees it."""
+
+    name: str
+    pid: int | None
+    state: str
+    """waiting, starting, running, restarting, disabled, done or stopped."""
+    restarts: int
+    detail: str
+    """The last reason for a restart, or the progress of the compiler."""
+
+
+@dataclass(frozen=True, slots=True)
+class Processes:
+    processes: tuple[ProcessInfo, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SourceInfo:
+    """What a camera is."""
+
+    uri: str
+    description: str
+    repeats: bool
+    width_px: int
+    height_px: int
+    rate_hz: float
+
+
+@dataclass(frozen=True, slots=True)
+class ViewSnapshot:
+    """A view as it goes over the wire: one byte per direction for pixels (255: nothing) and for the kind."""
+
+    team: Team
+    number: int
+    px: bytes
+    kinds: bytes
+    ball_px: int
+    """-1: hidden."""
+    ball_direction_deg: int
+    ball_size_deg: int
+    partial: bool
+    overlap: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Views:
+    frame_number: int
+    at: Instant
+    views: tuple[ViewSnapshot, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ClientInfo:
+    """One session."""
+
+    team: Team
+    number: int
+    address: str
+    port: int
+    since: Instant
+    sent: int
+    dropped: int
+    rate_hz: float
+    mean_rank: float
+    """Mean place in the random order of a frame, 0 first .. 1 last; 0.5 is fair."""
+
+
+@dataclass(frozen=True, slots=True)
+class Serving:
+    """How the clients are served."""
+
+    clients: tuple[ClientInfo, ...]
+    lag_median_ms: float
+    """From the grab to the last client's datagram: the paper's lag A."""
+    lag_max_ms: float
+    refused: tuple[str, ...]
+    """Recent requests that were refused, newest last."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskInfo:
+    """How a task does, over the last half second."""
+
+    pid: int
+    runs: int
+    """Since its start."""
+    missed: int
+    """Frames that it skipped since its start."""
+    rate_hz: float
+    response_median_ms: float
+    response_max_ms: float
+    note: str
+    """What a person should know: waiting for frames, opening the camera, ..."""
+
+
+class Encoder(Protocol):
+    def encode(self, value: object, /) -> bytes: ...
+
+
+class Decoder(Protocol[K_co]):
+    def decode(self, data: bytes, /) -> K_co: ...
+
+
+class Item(Generic[T]):
+    """A record of one type: name, size, validity and codec."""
+
+    def __init__(self, name: str, kind: type[T], capacity: int, validity_s: float, *, json: bool = False) -> None:
+        self.spec = RecordSpec(name, capacity, validity_s)
+        self._encoder: Encoder = msgspec.json.Encoder() if json else msgspec.msgpack.Encoder()
+        self._decoder: Decoder[T] = msgspec.json.Decoder(kind) if json else msgspec.msgpack.Decoder(kind)
+
+    def encode(self, value: T) -> bytes:
+        return self._encoder.encode(value)
+
+    def reader(self, store: Store) -> "ItemReader[T]":
+        return ItemReader(store.reader(self.spec.name), self._decoder)
+
+    def writer(self, store: Store) -> "ItemWriter[T]":
+        return ItemWriter(store.writer(self.spec.name), self._encoder)
+
+
+@dataclass(frozen=True, slots=True)
+class Timed(Generic[T]):
+    """A value and what it is worth."""
+
+    value: T
+    sequence: int
+    measured: Instant
+    written: Instant
+    age_s: float
+    valid: bool
+
+
+class ItemReader(Generic[T]):
+    """Reads a typed record."""
+
+    def __init__(self, slots: SlotReader, decoder: "Decoder[T]") -> None:
+        self._slots = slots
+        self._decoder = decoder
+
+    @property
+    def sequence(self) -> int:
+        return self._slots.sequence
+
+    def read(self, now: Instant) -> Timed[T] | None:
+        """The newest value with its age and validity; None before the first write."""
+        reading = self._slots.read(now)
+        if reading is None:
+            return None
+        return Timed(
+            self._decoder.decode(reading.value),
+            reading.sequence,
+            reading.measured,
+            reading.written,
+            reading.age_s,
+            reading.valid,
+        )
+
+
+class ItemWriter(Generic[T]):
+    """Writes a typed record."""
+
+    def __init__(self, slots: SlotWriter, encoder: Encoder) -> None:
+        self._slots = slots
+        self._encoder = encoder
+
+    def write(self, value: T, measured: Instant, now: Instant) -> None:
+        """Publish a value, measured at an instant. Raises ValueError when it does not fit."""
+        self._slots.write(self._encoder.encode(value), measured, now)
+
+
+SERVICE = Item("service", ServiceInfo, 65536, 0.0)
+PROCESSES = Item("processes", Processes, 16384, 3.0, json=True)  # the supervisor is standard library only
+WORLD = Item("world", World, 16384, 0.25)
+VIEWS = Item("views", Views, 65536, 0.25)
+SERVING = Item("serving", Serving, 65536, 2.0)
+SESSIONS = RecordSpec("sessions", 65536, 0.0)
+
+
+def source(camera: str) -> Item[SourceInfo]:
+    return Item(f"source/{camera}", SourceInfo, 4096, 0.0)
+
+
+def sightings(camera: str) -> Item[Sightings]:
+    return Item(f"sightings/{camera}", Sightings, 32768, 0.25)
+
+
+def task(name: str) -> Item[TaskInfo]:
+    return Item(f"task/{name}", TaskInfo, 4096, 2.0)
+
+
+def frames(camera: str, width_px: int, height_px: int) -> RecordSpec:
+    """The ring of images: blue green red, row by row."""
+    return RecordSpec(f"frames/{camera}", width_px * height_px * 3, 0.25, checksum=False)

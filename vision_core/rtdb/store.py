@@ -1,0 +1,50 @@
+"""The block of shared memory that holds all records."""
+
+import mmap
+import os
+from collections.abc import Sequence
+
+from vision_core.rtdb.layout import RecordSpec, offsets
+from vision_core.rtdb.slots import SlotReader, SlotWriter
+
+
+def create_block(specs: Sequence[RecordSpec]) -> int:
+    """Make the block; returns its descriptor, inheritable. It lives as long as somebody holds it."""
+    _, size = offsets(specs)
+    descriptor = os.memfd_create("pslv-rtdb", 0)
+    os.ftruncate(descriptor, size)
+    return descriptor
+
+
+class Store:
+    """A mapped block."""
+
+    def __init__(self, specs: Sequence[RecordSpec], descriptor: int) -> None:
+        self.specs = {spec.name: spec for spec in specs}
+        self._places, size = offsets(specs)
+        self._map = mmap.mmap(descriptor, size)
+        self._view = memoryview(self._map)
+        self._rings: list[SlotReader | SlotWriter] = []
+
+    def reader(self, name: str) -> SlotReader:
+        """A reader of a record. Raises KeyError for an unknown name."""
+        ring = SlotReader(self._memory(name), self.specs[name])
+        self._rings.append(ring)
+        return ring
+
+    def writer(self, name: str) -> SlotWriter:
+        """The writer of a record; the task table sees to it that there is only one."""
+        ring = SlotWriter(self._memory(name), self.specs[name])
+        self._rings.append(ring)
+        return ring
+
+    def close(self) -> None:
+        """Unmap. Readers and writers, and whatever they handed out in place, must not be used after."""
+        for ring in self._rings:
+            ring.release()
+        self._view.release()
+        self._map.close()
+
+    def _memory(self, name: str) -> memoryview:
+        start = self._places[name]
+        return self._view[start : start + self.specs[name].total_bytes]
