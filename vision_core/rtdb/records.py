@@ -202,6 +202,13 @@ class ItemReader(Generic[T]):
             reading.valid,
         )
 
+    def value(self, now: Instant) -> T:
+        """The newest value of a record that is written before its readers start. Raises LookupError."""
+        timed = self.read(now)
+        if timed is None:
+            raise LookupError("the record was never written")
+        return timed.value
+
 
 class ItemWriter(Generic[T]):
     """Writes a typed record."""
