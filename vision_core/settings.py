@@ -143,12 +143,23 @@ class ColorSettings(Record):
     classes: dict[str, tuple[ColorRange, ...]]
 
 
+class BlobSettings(Record):
+    """What becomes a blob, and how much memory is taken for it."""
+
+    min_area_px: Annotated[int, Meta(ge=1, description="smaller blobs are noise")]
+    max_runs: Annotated[int, Meta(ge=100, le=10_000_000)]
+    max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
+
+
 class RobotSettings(Record):
     """Robots and how they are recognized."""
 
     pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
     radius_m: Annotated[float, Meta(gt=0.005, le=1.0)]
     height_m: Annotated[float, Meta(ge=0.0, le=2.0, description="of the markers over the floor")]
+    min_area: Annotated[float, Meta(gt=0.0, description="smallest area of a dot as a share of the predicted one")]
+    max_area: Annotated[float, Meta(gt=0.0)]
+    dot_tolerance_m: Annotated[float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place")]
     min_confidence: Share
 
 
@@ -239,6 +250,7 @@ class Settings(Record):
     field: FieldSettings
     mirror: MirrorSettings
     colors: ColorSettings
+    blobs: BlobSettings
     robots: RobotSettings
     ball: BallSettings
     tracks: TrackSettings

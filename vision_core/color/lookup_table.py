@@ -1,0 +1,84 @@
+"""Boxes of a color space -> one table over all quantized colors."""
+
+from collections.abc import Collection
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
+from vision_core.geometry import Bytes, Floats
+from vision_core.settings import ColorRange, ColorSettings
+from vision_core.types.colors import ColorTable
+
+CELLS = 1 << 16
+SPACES = {
+    "hsv": (hsv_from_bgr, ("hue_deg", "saturation", "value")),
+    "ymp": (ymp_from_bgr, ("luma", "module", "phase_deg")),
+}
+
+Mask = NDArray[np.bool_]
+
+
+def compile_color_table(colors: ColorSettings) -> ColorTable:
+    """Judge every cell by its center. Where classes claim the same cell, the one listed first has it."""
+    convert, axes = SPACES[colors.space]
+    cells = cell_centers()
+    coordinates = dict(zip(axes, convert(cells).T, strict=True))
+    claims = {name: _claim(boxes, coordinates) for name, boxes in colors.classes.items()}
+    classes = np.zeros(CELLS, dtype=np.uint8)
+    for number, claim in reversed(list(enumerate(claims.values(), start=1))):
+        classes[claim] = number
+    means = [
+        cells[classes == number].mean(axis=0) if (classes == number).any() else np.full(3, 127.0)
+        for number in range(len(claims) + 1)
+    ]
+    overlaps = [(one, other, int((claims[one] & claims[other]).sum())) for one, other in combinations(claims, 2)]
+    return ColorTable(
+        names=("", *claims),
+        classes=_read_only(classes),
+        mean_bgr=_read_only(np.array(means).round().astype(np.uint8)),
+        disputed=tuple(overlap for overlap in overlaps if overlap[2]),
+    )
+
+
+def keep_classes(table: ColorTable, names: Collection[str]) -> ColorTable:
+    """The same table with all other classes erased: what nobody searches need not become blobs."""
+    kept = np.array([name in names for name in table.names])
+    return replace(table, classes=_read_only(np.where(kept[table.classes], table.classes, 0).astype(np.uint8)))
+
+
+def classes_of(bgr: Bytes, table: ColorTable) -> Bytes:
+    """Class of colors: shape (..., 3) -> shape (...)."""
+    blue, green, red = (bgr[..., channel].astype(np.intp) for channel in range(3))
+    classes: Bytes = table.classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]
+    return classes
+
+
+def cell_centers() -> Floats:
+    """Blue green red at the middle of every cell of the table, in its order, shape (65536, 3)."""
+    index = np.arange(CELLS)
+    return np.column_stack([(index >> 11) * 8 + 3.5, (index >> 5 & 63) * 4 + 1.5, (index & 31) * 8 + 3.5])
+
+
+def _claim(boxes: tuple[ColorRange, ...], coordinates: dict[str, Floats]) -> Mask:
+    claim = np.zeros(CELLS, dtype=np.bool_)
+    for box in boxes:
+        inside = np.ones(CELLS, dtype=np.bool_)
+        for axis, values in coordinates.items():
+            if (bounds := getattr(box, axis)) is not None:
+                inside &= _within(values, *bounds, is_angle=axis.endswith("_deg"))
+        claim |= inside
+    return claim
+
+
+def _within(values: Floats, low: float, high: float, *, is_angle: bool) -> Mask:
+    if is_angle:
+        return np.asarray((values - low) % 360.0 <= (high - low if high >= low else high - low + 360.0))
+    return np.asarray((low <= values) & (values <= high))
+
+
+def _read_only(array: Bytes) -> Bytes:
+    array.setflags(write=False)
+    return array
