@@ -15,15 +15,12 @@ from typing import Any
 
 import msgspec
 
-from vision_core.camera_model import CameraModel, HomographyCamera, PinholeCamera
 from vision_core.errors import SettingsError
-from vision_core.mirror_model import Mirror, check_span
 from vision_core.settings import ColorRange, Settings
+from vision_core.settings_checks import check_settings
 
 Table = dict[str, Any]
 REPLACED = frozenset({"colors.classes"})
-SPACE_KEYS = {"hsv": {"hue_deg", "saturation", "value"}, "ymp": {"luma", "module", "phase_deg"}}
-ANGLES = {"hue_deg", "phase_deg"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,27 +70,8 @@ def settings_from_layers(layers: list[Layer]) -> Settings:
         settings = msgspec.convert(merged, Settings)
     except msgspec.ValidationError as error:
         raise _explained(str(error), merged, layers) from None
-    _check(settings, layers)
+    check_settings(settings, lambda key: _culprit(key.split("."), layers))
     return settings
-
-
-def camera_model_from(settings: Settings) -> CameraModel:
-    """The camera that the settings describe."""
-    import numpy as np
-
-    camera = settings.camera
-    if camera.model == "pinhole":
-        lens = camera.pinhole
-        return PinholeCamera(lens.focal_px, lens.center_px, lens.distortion, lens.position_m, lens.rotation_deg)
-    assert camera.homography is not None
-    pixels = np.array([point.pixel_px for point in camera.homography.points])
-    places = np.array([point.field_m for point in camera.homography.points])
-    return HomographyCamera(pixels, places, camera.homography.position_m)
-
-
-def mirror_from(settings: Settings) -> Mirror:
-    """The default mirror of the settings."""
-    return Mirror(settings.mirror.a, settings.mirror.b, settings.mirror.c)
 
 
 def find_file(kind: str, name: str) -> Path:
@@ -169,7 +147,9 @@ def _culprit(keys: list[str], layers: list[Layer]) -> str:
 def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsError:
     """msgspec's complaint, with the file, the key, the value and the nearest known keys."""
     text, _, where = message.partition(" - at ")
-    keys = re.findall(r"[A-Za-z_][A-Za-z0-9_-]*|\d+", where)
+    keys = re.findall(r"[A-Za-z_][A-Za-z0-9_-]*|\d+|\.\.\.", where)
+    if "..." in keys:  # msgspec does not name the key of a dict: find the entry that fails by itself
+        keys[keys.index("...")] = _bad_class(merged)
     if unknown := re.search(r"unknown field `(.*)`", text):
         bad = unknown.group(1)
         known = _known_keys(keys)
@@ -192,6 +172,16 @@ def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsErro
     )
 
 
+def _bad_class(merged: Table) -> str:
+    """The first color class that is wrong: the only dict in the settings."""
+    for name, boxes in merged["colors"]["classes"].items():
+        try:
+            msgspec.convert(boxes, tuple[ColorRange, ...])
+        except msgspec.ValidationError:
+            return str(name)
+    return "?"
+
+
 def _known_keys(keys: list[str]) -> list[str]:
     """Names that the struct at a path accepts."""
     schema, definitions = msgspec.json.schema(Settings), {}
@@ -212,56 +202,3 @@ def _known_keys(keys: list[str]) -> list[str]:
         elif "additionalProperties" in node:
             node = resolved(node["additionalProperties"])
     return sorted(node.get("properties", {}))
-
-
-def _check(settings: Settings, layers: list[Layer]) -> None:
-    """Rules that span several keys."""
-
-    def refuse(key: str, found: str, accepted: str) -> SettingsError:
-        return SettingsError(f"{_culprit(key.split('.'), layers)}: {key}", found=found, accepted=accepted)
-
-    for name, boxes in settings.colors.classes.items():
-        for box in boxes:
-            _check_box(name, box, settings.colors.space, refuse)
-    classes = list(settings.colors.classes)
-    if len(classes) > 31:
-        raise refuse("colors.classes", f"{len(classes)} classes", "at most 31")
-    for key, wanted in [("ball.color", [settings.ball.color]), ("ball.surrounding", settings.ball.surrounding)]:
-        for name in wanted:
-            if name not in classes:
-                raise refuse(key, repr(name), f"a color class: {', '.join(classes)}")
-    for name in ("first_blue", "first_yellow"):
-        if ord(getattr(settings.protocol.letters, name)) + 15 > ord("~"):
-            raise refuse(f"protocol.letters.{name}", "fewer than 16 letters from there on", "A, a, ...")
-    for key in ("blue_ids", "yellow_ids"):
-        ids = getattr(settings.match, key)
-        if len(ids) < settings.match.numbers or len(set(ids)) < len(ids):
-            raise refuse(
-                f"match.{key}", f"{list(ids)}", f"at least match.numbers ({settings.match.numbers}) ids, each once"
-            )
-    if settings.camera.model == "homography" and settings.camera.homography is None:
-        raise refuse("camera.homography", "nothing", "four named points, as camera.model says homography")
-    key = f"camera.{settings.camera.model}"
-    try:
-        camera = camera_model_from(settings)
-    except SettingsError as error:
-        raise refuse(key, error.found, error.accepted) from None
-    if not camera.position_m[2] > settings.robots.height_m:
-        raise refuse(f"{key}.position_m", f"{camera.position_m[2]:g} m", "a camera higher than the robots' markers")
-    field = settings.field
-    limit = 2.0 * (field.margin_m + field.goal.depth_m)
-    diagonal = float((field.length_m + limit) ** 2 + (field.width_m + limit) ** 2) ** 0.5
-    try:
-        check_span(mirror_from(settings), diagonal)
-    except SettingsError as error:
-        raise refuse("mirror", error.found, error.accepted) from None
-
-
-def _check_box(name: str, box: ColorRange, space: str, refuse: Any) -> None:
-    given = {key: getattr(box, key) for key in box.__struct_fields__ if getattr(box, key) is not None}
-    key = f"colors.classes.{name}"
-    if foreign := sorted(given.keys() - SPACE_KEYS[space]):
-        raise refuse(key, ", ".join(foreign), f"{', '.join(sorted(SPACE_KEYS[space]))} (colors.space is {space})")
-    for axis, (low, high) in given.items():
-        if axis not in ANGLES and low > high:
-            raise refuse(f"{key}.{axis}", f"[{low:g}, {high:g}]", "the lower end first")

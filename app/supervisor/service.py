@@ -22,9 +22,11 @@ STOP_PATIENCE_S = 1.5
 class Supervisor:
     """Starts the plan's processes, keeps them alive, and ends them."""
 
-    def __init__(self, plan: ServicePlan, tell: Callable[[str], None]) -> None:
+    def __init__(self, plan: ServicePlan, tell: Callable[[str], None], progress: Callable[[str], None]) -> None:
+        """tell: one line of news; progress: how far the process that runs once is, and "" when it is done."""
         self._plan = plan
         self._tell = tell
+        self._progress = progress
         self._block = create_block(plan.records)
         self._store = Store(plan.records, self._block)
         for name, value in plan.initial.items():
@@ -82,6 +84,7 @@ class Supervisor:
                 pipe = child.process.stdout if child.process is not None else None
                 if pipe is not None and pipe.fileno() == descriptor and (line := os.read(descriptor, 4096)):
                     child.detail = line.decode(errors="replace").strip().splitlines()[-1]
+                    self._progress(child.detail)
 
     def _look_after(self, child: Child, now: int) -> None:
         if child.has_ended():
@@ -95,7 +98,9 @@ class Supervisor:
             child.start(now)
 
     def _compiled(self, child: Child, now: int) -> None:
+        self._progress("")
         if child.state != "done":
+            self._tell(f"{child.plan.name} {child.detail}: the service cannot start")
             self._failed = self._stopping = True
             return
         for other in self.children:
@@ -103,7 +108,7 @@ class Supervisor:
                 other.start(now)
 
     def _report(self, child: Child) -> None:
-        if child.state in ("restarting", "disabled"):
+        if child.state in ("restarting", "disabled") and not child.plan.once:
             self._tell(f"{child.plan.name} {child.detail}: {child.state}")
         elif child.state == "running" and child.restarts:
             self._tell(f"{child.plan.name} runs again after {(time.monotonic_ns() - child.ends[-1]) / NS:.1f} s")

@@ -1,0 +1,29 @@
+"""Entry point of ``pslv``: standard library only, so that it can say what is missing."""
+
+import sys
+from importlib.util import find_spec
+
+NEEDED = ("msgspec", "numba", "cv2", "fastapi", "uvicorn", "typer", "rich", "platformdirs")
+
+
+def main() -> None:
+    """Run the command line, or name the extra that it needs."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing and sys.argv[1:2] == ["client"]:
+        from vision_core.client.__main__ import main as client
+
+        sys.exit(client(sys.argv[2:]))
+    if missing:
+        print(
+            f"pslv: this command needs the server extra ({', '.join(missing)} not found): "
+            "pip install 'pslv[server]'; the client alone works without it: pslv client --help",
+            file=sys.stderr,
+        )
+        sys.exit(2)
+    from app.cli import run
+
+    run()
+
+
+if __name__ == "__main__":
+    main()

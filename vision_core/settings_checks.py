@@ -1,0 +1,93 @@
+"""Rules that span several settings."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from vision_core.errors import SettingsError
+from vision_core.field_model import accepted_half_extent
+from vision_core.mirror_model import check_span
+from vision_core.settings import ColorRange, Settings
+from vision_core.settings_models import camera_model_from, mirror_from
+
+SPACE_KEYS = {"hsv": {"hue_deg", "saturation", "value"}, "ymp": {"luma", "module", "phase_deg"}}
+ANGLES = {"hue_deg", "phase_deg"}
+MOST_CLASSES = 31
+LETTERS_PER_TEAM = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A rule that does not hold."""
+
+    key: str
+    found: str
+    accepted: str
+
+
+def check_settings(settings: Settings, file_of: Callable[[str], str]) -> None:
+    """Raise SettingsError for the first rule that does not hold; file_of names the file that sets a key."""
+    for rule in (_colors, _letters, _match, _camera, _mirror):
+        for violation in rule(settings):
+            where = f"{file_of(violation.key)}: {violation.key}"
+            raise SettingsError(where, found=violation.found, accepted=violation.accepted)
+
+
+def _colors(settings: Settings) -> Iterator[Violation]:
+    classes = list(settings.colors.classes)
+    if len(classes) > MOST_CLASSES:
+        yield Violation("colors.classes", f"{len(classes)} classes", f"at most {MOST_CLASSES}")
+    for name, boxes in settings.colors.classes.items():
+        for box in boxes:
+            yield from _box(f"colors.classes.{name}", box, settings.colors.space)
+    wanted = [("ball.color", settings.ball.color), *(("ball.surrounding", name) for name in settings.ball.surrounding)]
+    for key, name in wanted:
+        if name not in classes:
+            yield Violation(key, repr(name), f"a color class: {', '.join(classes)}")
+
+
+def _box(key: str, box: ColorRange, space: str) -> Iterator[Violation]:
+    given = {axis: getattr(box, axis) for axis in box.__struct_fields__ if getattr(box, axis) is not None}
+    if foreign := sorted(given.keys() - SPACE_KEYS[space]):
+        yield Violation(key, ", ".join(foreign), f"{', '.join(sorted(SPACE_KEYS[space]))} (colors.space is {space})")
+    for axis, (low, high) in given.items():
+        if axis not in ANGLES and low > high:
+            yield Violation(f"{key}.{axis}", f"[{low:g}, {high:g}]", "the lower end first")
+
+
+def _letters(settings: Settings) -> Iterator[Violation]:
+    for name in ("first_blue", "first_yellow"):
+        first = getattr(settings.protocol.letters, name)
+        if ord(first) + LETTERS_PER_TEAM - 1 > ord("~"):
+            yield Violation(f"protocol.letters.{name}", repr(first), "a letter with 15 more behind it: A, a, ...")
+
+
+def _match(settings: Settings) -> Iterator[Violation]:
+    numbers = settings.match.numbers
+    for key in ("blue_ids", "yellow_ids"):
+        ids = getattr(settings.match, key)
+        if len(ids) < numbers or len(set(ids)) < len(ids):
+            yield Violation(f"match.{key}", f"{list(ids)}", f"at least match.numbers ({numbers}) ids, each once")
+
+
+def _camera(settings: Settings) -> Iterator[Violation]:
+    key = f"camera.{settings.camera.model}"
+    if settings.camera.model == "homography" and settings.camera.homography is None:
+        yield Violation(key, "nothing", "four named points, as camera.model says homography")
+        return
+    try:
+        camera = camera_model_from(settings)
+    except SettingsError as error:
+        yield Violation(key, error.found, error.accepted)
+        return
+    height_m = camera.position_m[2]
+    if not height_m > settings.robots.height_m:
+        yield Violation(f"{key}.position_m", f"{height_m:g} m high", "a camera higher than the robots' markers")
+
+
+def _mirror(settings: Settings) -> Iterator[Violation]:
+    half_x, half_y = accepted_half_extent(settings.field)
+    diagonal_m = 2.0 * float(half_x**2 + half_y**2) ** 0.5
+    try:
+        check_span(mirror_from(settings), diagonal_m)
+    except SettingsError as error:
+        yield Violation("mirror", error.found, error.accepted)
