@@ -5,9 +5,10 @@ Every complaint names the file and the key, what was found and what would be acc
 """
 
 import difflib
+import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -66,6 +67,9 @@ def settings_from_layers(layers: list[Layer]) -> Settings:
     merged: Table = {}
     for layer in layers:
         merged = _merged(merged, layer.table)
+    for keys, number in _numbers(merged, []):
+        if not math.isfinite(number):
+            raise SettingsError(f"{_culprit(keys, layers)}: {'.'.join(keys)}", found=str(number), accepted="a number")
     try:
         settings = msgspec.convert(merged, Settings)
     except msgspec.ValidationError as error:
@@ -122,6 +126,18 @@ def _merged(below: Table, above: Table, path: str = "") -> Table:
         else:
             result[key] = value
     return result
+
+
+def _numbers(node: Any, keys: list[str]) -> Iterator[tuple[list[str], float]]:
+    """Every float of a table, with its keys."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from _numbers(value, [*keys, key])
+    elif isinstance(node, list):
+        for index, value in enumerate(node):
+            yield from _numbers(value, [*keys, str(index)])
+    elif isinstance(node, float):
+        yield keys, node
 
 
 def _lookup(table: Any, keys: list[str]) -> tuple[bool, Any]:

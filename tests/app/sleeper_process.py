@@ -1,0 +1,25 @@
+"""A task that only beats its heart, for the supervisor's tests. Its name says what else it does."""
+
+import sys
+import time
+
+from vision_core.rtdb.attachment import attach, monotonic
+
+
+def main() -> None:
+    attachment = attach()
+    name = attachment.handed.process
+    writer = attachment.store.writer(f"task/{name}")
+    writer.write(b"first", monotonic(), monotonic())
+    if name == "job":
+        print("1 of 1: nothing", flush=True)
+        return
+    if name == "crasher":
+        sys.exit(3)
+    while not attachment.stopping or name == "deaf":
+        writer.write(b"beat", monotonic(), monotonic())
+        time.sleep(0.02)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+"""The supervisor starts, watches, restarts and ends processes, and leaves nothing behind."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.conftest import ROOT
+
+Table = dict[str, dict[str, Any]]
+PATIENCE_S = 30.0
+
+
+class Service:
+    """A supervisor in a process of its own, and what it says."""
+
+    def __init__(self, *names: str) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "tests.app.supervised_service", *names],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.news: list[str] = []
+
+    def tables(self) -> Iterator[Table]:
+        """Every published table of processes, as it comes; ends with the supervisor."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            if line.startswith("processes "):
+                yield {row["name"]: row for row in json.loads(line.removeprefix("processes "))}
+            else:
+                self.news.append(line.strip())
+
+    def until(self, wanted: Any) -> Table:
+        """The first table for which wanted(table) holds."""
+        deadline = time.monotonic() + PATIENCE_S
+        for table in self.tables():
+            if wanted(table):
+                return table
+            assert time.monotonic() < deadline, (table, self.news)
+        raise AssertionError(f"the supervisor ended: {self.news}")
+
+    def running(self, *names: str) -> Table:
+        return self.until(lambda table: all(table[name]["state"] == "running" for name in names))
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+
+@contextlib.contextmanager
+def service(*names: str) -> Iterator[Service]:
+    started = Service(*names)
+    try:
+        yield started
+    finally:
+        started.close()
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as stat:
+            return stat.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def all_gone(pids: list[int], patience_s: float = 5.0) -> bool:
+    deadline = time.monotonic() + patience_s
+    while any(is_alive(pid) for pid in pids):
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_with_status_0_and_nothing_left(number: signal.Signals) -> None:
+    with service("one", "two") as started:
+        pids = [row["pid"] for row in started.running("one", "two").values()]
+        started.process.send_signal(number)
+        assert started.process.wait(timeout=PATIENCE_S) == 0
+        assert all_gone(pids)
+
+
+@pytest.mark.slow
+def test_a_killed_process_comes_back_and_the_others_go_on() -> None:
+    with service("one", "two") as started:
+        before = started.running("one", "two")
+        os.kill(before["one"]["pid"], signal.SIGKILL)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        after = started.running("one", "two")
+        assert after["one"]["pid"] != before["one"]["pid"]
+        assert after["two"]["pid"] == before["two"]["pid"]
+        assert after["two"]["restarts"] == 0
+
+
+@pytest.mark.slow
+def test_a_hung_process_is_killed_and_comes_back() -> None:
+    with service("one") as started:
+        before = started.running("one")["one"]["pid"]
+        os.kill(before, signal.SIGSTOP)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        assert started.running("one")["one"]["pid"] != before
+        assert any("does not answer" in line for line in started.news)
+
+
+@pytest.mark.slow
+def test_a_process_that_keeps_crashing_is_disabled_and_that_is_said() -> None:
+    with service("crasher", "one") as started:
+        table = started.until(lambda table: table["crasher"]["state"] == "disabled")
+        assert table["crasher"]["detail"] == "5 ends within a minute, the last with exit status 3"
+        assert table["one"]["state"] == "running"
+
+
+@pytest.mark.slow
+def test_a_process_that_ignores_sigterm_is_killed_in_time() -> None:
+    with service("deaf") as started:
+        pid = started.running("deaf")["deaf"]["pid"]
+        started.process.send_signal(signal.SIGTERM)
+        began = time.monotonic()
+        assert started.process.wait(timeout=PATIENCE_S) == 0
+        assert not is_alive(pid)
+        assert time.monotonic() - began < PATIENCE_S
+
+
+@pytest.mark.slow
+def test_a_killed_supervisor_takes_its_processes_with_it() -> None:
+    with service("one", "two") as started:
+        pids = [row["pid"] for row in started.running("one", "two").values()]
+        started.process.kill()
+        assert all_gone(pids)
+
+
+@pytest.mark.slow
+def test_the_others_wait_for_the_job_that_runs_once() -> None:
+    with service("job", "one") as started:
+        states = [row["job"]["state"] for row in [started.running("one")]]
+        assert states == ["done"]
+        assert "1 of 1: nothing" in started.news
