@@ -11,7 +11,6 @@ from vision_core.settings_files import load_settings
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, RobotTrack, World
 
-
 T = TypeVar("T")
 
 

@@ -1,0 +1,68 @@
+"""A client written from the paper's text alone, with the standard library alone.
+
+    python bench/paper_client.py TEAM NUMBER SECONDS [HOST [PORT]]
+
+Sends ``(init TEAM NUMBER)``, reads ``see`` messages for some seconds, checks each against the paper's form
+and prints one line of JSON. It imports nothing of PSLV and is told nothing that the paper does not say.
+"""
+
+import json
+import re
+import socket
+import sys
+import time
+
+SEE = re.compile(
+    r"\(see (\d+\.\d+) \(\(edge\) ((?:[!-~][0-9a-f]{2})+)\) \(\(ball\) (-?\d+) (\d+) (\d+)\)\)\0?",
+)
+PAPER_EDGE_CHARACTERS = 1080
+
+
+def main(team: str, number: int, seconds: float, host: str = "127.0.0.1", port: int = 6000) -> None:
+    """Connect, listen, report."""
+    client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    client.settimeout(1.0)
+    client.sendto(f"(init {team} {number})".encode(), (host, port))
+    reply, server = client.recvfrom(4096)  # the port specified by the server
+    times: list[float] = []
+    arrivals: list[float] = []
+    wrong: list[str] = []
+    hidden = 0
+    end = time.monotonic() + seconds
+    while (now := time.monotonic()) < end:
+        try:
+            datagram, sender = client.recvfrom(4096)
+        except TimeoutError:
+            continue
+        message = datagram.decode("ascii", "replace")
+        found = SEE.fullmatch(message)
+        if sender != server or found is None or len(found[2]) != PAPER_EDGE_CHARACTERS:
+            wrong.append(message[:80])
+            continue
+        times.append(float(found[1]))
+        arrivals.append(now)
+        hidden += found[3] == "-1"
+    client.sendto(b"(bye)", server)
+    gaps = [later - earlier for earlier, later in zip(times, times[1:], strict=False)]
+    print(
+        json.dumps(
+            {
+                "team": team,
+                "number": number,
+                "init": reply.decode(),
+                "session_port": server[1],
+                "messages": len(times),
+                "per_second": len(times) / seconds,
+                "wrong": wrong[:3],
+                "increasing": all(gap > 0 for gap in gaps),
+                "longest_gap_s": max(gaps, default=0.0),
+                "ball_hidden": hidden,
+                "times": times,
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    team, number, seconds, *rest = sys.argv[1:]
+    main(team, int(number), float(seconds), *rest[:1], *(int(port) for port in rest[1:2]))
