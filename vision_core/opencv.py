@@ -2,7 +2,7 @@
 real-time priority, so they are switched off here, once."""
 
 from pathlib import Path
-from typing import cast
+from typing import TypeAlias, cast
 
 import cv2
 import numpy as np
@@ -11,6 +11,13 @@ from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
 
 cv2.setNumThreads(1)
+
+Point: TypeAlias = tuple[float, float]
+Color: TypeAlias = tuple[int, int, int]
+"""Blue, green, red."""
+
+FIXED_BITS = 4
+FIXED = 1 << FIXED_BITS
 
 
 def read_picture(path: Path) -> Bytes:
@@ -41,3 +48,33 @@ def encode_jpeg(image: Bytes, quality: int = 80) -> bytes:
     fine, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     assert fine
     return cast("bytes", data.tobytes())
+
+
+def draw_circle(image: Bytes, center_px: Point, radius_px: float, bgr: Color, thickness_px: int = 1) -> None:
+    """Draw a circle into a picture, to a 16th of a pixel; nothing where it lies outside."""
+    cv2.circle(image, _fixed(center_px), round(radius_px * FIXED), bgr, thickness_px, cv2.LINE_AA, FIXED_BITS)
+
+
+def draw_line(image: Bytes, start_px: Point, end_px: Point, bgr: Color, thickness_px: int = 1) -> None:
+    """Draw a line into a picture, to a 16th of a pixel."""
+    cv2.line(image, _fixed(start_px), _fixed(end_px), bgr, thickness_px, cv2.LINE_AA, FIXED_BITS)
+
+
+def draw_text(image: Bytes, text: str, left_bottom_px: Point, bgr: Color, scale: float = 0.5) -> None:
+    """Write one line of ASCII into a picture, dark rimmed, readable on any ground."""
+    place = (round(left_bottom_px[0]), round(left_bottom_px[1]))
+    for color, thickness in (((0, 0, 0), 4), (bgr, 1)):
+        cv2.putText(image, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, color, thickness, cv2.LINE_AA)
+
+
+def _fixed(point_px: Point) -> tuple[int, int]:
+    return round(point_px[0] * FIXED), round(point_px[1] * FIXED)
+
+
+def shrink(image: Bytes, width_px: int) -> Bytes:
+    """A picture scaled down to a width, its height in proportion; a narrower one as it is."""
+    height, width = image.shape[:2]
+    if width <= width_px:
+        return image
+    size = (width_px, round(height * width_px / width))
+    return cast("Bytes", cv2.resize(image, size, interpolation=cv2.INTER_AREA))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vision_core.color.lookup_table import cell_centers, classes_of, compile_color_table, keep_classes
+from vision_core.color.lookup_table import cell_centers, compile_color_table, keep_classes
 from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
 from vision_core.settings import ColorRange, ColorSettings
 
@@ -21,7 +21,7 @@ def test_index_is_bgr565() -> None:
     table = compile_color_table(RED_AND_SKY)
     rng = np.random.default_rng(1)
     colors = rng.integers(0, 256, (50, 40, 3), dtype=np.uint8)
-    for bgr, found in zip(colors.reshape(-1, 3).tolist(), classes_of(colors, table).ravel(), strict=True):
+    for bgr, found in zip(colors.reshape(-1, 3).tolist(), table.classes_of(colors).ravel(), strict=True):
         b, g, r = bgr
         assert found == table.classes[(b >> 3) * 2048 + (g >> 2) * 32 + (r >> 3)]
 
@@ -62,7 +62,7 @@ def test_angles_wrap(bounds: tuple[float, float]) -> None:
 
 def test_typical_color_is_of_its_class() -> None:
     table = compile_color_table(RED_AND_SKY)
-    assert classes_of(table.mean_bgr[1:2], table)[0] == 1
+    assert table.classes_of(table.mean_bgr[1:2])[0] == 1
 
 
 def test_keep_classes_erases_the_others_only() -> None:

@@ -35,7 +35,7 @@ class Segmenter:
     def segment(self, pixels: Bytes, table: ColorTable) -> Blobs:
         """The blobs of a picture: shape (height, width, 3), blue green red."""
         assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
-        count, runs_fit = collect_runs(np.ascontiguousarray(pixels), table.classes, self._runs)
+        count, runs_fit = collect_runs(_read_only(pixels), _read_only(table.classes), self._runs)
         blobs, blobs_fit = collect_blobs(
             self._runs, count, self._min_area_px, self._region_of_run, self._regions,
             self._color, self._area, self._center, self._box,
@@ -47,6 +47,13 @@ class Segmenter:
             box_px=self._box[:blobs].copy(),
             complete=runs_fit and blobs_fit,
         )
+
+
+def _read_only(array: Bytes) -> Bytes:
+    """One memory layout for the kernel, which is compiled anew for every other: frames come read-only or not."""
+    view = np.ascontiguousarray(array).view()
+    view.setflags(write=False)
+    return view
 
 
 @kernel

@@ -49,13 +49,6 @@ def keep_classes(table: ColorTable, names: Collection[str]) -> ColorTable:
     return replace(table, classes=_read_only(np.where(kept[table.classes], table.classes, 0).astype(np.uint8)))
 
 
-def classes_of(bgr: Bytes, table: ColorTable) -> Bytes:
-    """Class of colors: shape (..., 3) -> shape (...)."""
-    blue, green, red = (bgr[..., channel].astype(np.intp) for channel in range(3))
-    classes: Bytes = table.classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]
-    return classes
-
-
 def cell_centers() -> Floats:
     """Blue green red at the middle of every cell of the table, in its order, shape (65536, 3)."""
     index = np.arange(CELLS)

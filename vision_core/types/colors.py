@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from vision_core.geometry import Bytes
 
 
@@ -21,3 +23,9 @@ class ColorTable:
     def index(self, name: str) -> int:
         """Number of a class by its name."""
         return self.names.index(name)
+
+    def classes_of(self, bgr: Bytes) -> Bytes:
+        """Class of each color: shape (..., 3) -> shape (...)."""
+        blue, green, red = (bgr[..., channel].astype(np.intp) for channel in range(3))
+        classes: Bytes = self.classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]
+        return classes

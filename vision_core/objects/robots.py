@@ -1,0 +1,175 @@
+"""Robots by their markers."""
+
+import math
+from collections import Counter
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.camera_model import CameraModel
+from vision_core.geometry import Floats, wrap_angle
+from vision_core.objects.hypotheses import CENTER, FIRST_DOT, HEADING, MATCHED, SCORE, X, Y, propose
+from vision_core.objects.patterns import Marker
+from vision_core.objects.scale import likeness, pixels_per_square_metre
+from vision_core.settings import RobotSettings
+from vision_core.types.blobs import Blobs
+from vision_core.types.colors import ColorTable
+from vision_core.types.objects import RobotSighting, Team
+
+TEAMS = (Team.BLUE, Team.YELLOW)
+
+NEAREST = 0.8
+"""Centers nearer than this share of a robot's diameter cannot both be robots."""
+
+RIVAL_SCORE = 0.8
+RIVAL_TURN_RAD = math.radians(10.0)
+"""A hypothesis for the same center with as many dots, this share of the score and this much turned
+makes the heading ambiguous."""
+
+ENOUGH_DOTS = 3
+"""Fewer dots tell no heading: the pattern's angles repeat."""
+
+NUMERALS = {2: "two", 3: "three", 4: "four"}
+
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Dots:
+    """Blobs that may be dots of a marker, as arrays of equal length."""
+
+    blob: Indices
+    """Their numbers in the frame's Blobs."""
+    place_m: Floats
+    """Shape (n, 2), at marker height."""
+    share: Floats
+    """Area over the predicted one."""
+
+
+def find_robots(
+    blobs: Blobs, table: ColorTable, camera: CameraModel, marker: Marker, settings: RobotSettings
+) -> tuple[tuple[RobotSighting, ...], tuple[str, ...]]:
+    """The robots that blobs show, by team and id, and why there are none or what contradicts itself.
+
+    Positions are the fitted marker's center in the field; (x_px, y_px) is its image at marker height.
+    """
+    every_center = _measured(blobs, table, TEAMS, marker.center_area_m2, camera, settings.height_m)
+    every_dot = _measured(blobs, table, marker.dot_colors, marker.dot_area_m2, camera, settings.height_m)
+    centers, dots = _of_right_size(every_center, settings), _of_right_size(every_dot, settings)
+    rows = propose(
+        centers.place_m, likeness(centers.share), dots.place_m, likeness(dots.share),
+        marker.slots_m, settings.dot_tolerance_m,
+    )  # fmt: skip
+    rows = rows[np.argsort(-rows[:, SCORE], kind="stable")]
+    winners = _compete(rows, settings)
+    if not winners:
+        return (), (_why_none(blobs, every_center, centers, rows, settings),)
+    pixels = camera.pixel_from_field(rows[list(winners)][:, [X, Y]], settings.height_m).tolist()
+    initials = [table.names[color][:1].upper() for color in blobs.color]
+    robots = []
+    for (number, ambiguous), pixel in zip(winners.items(), pixels, strict=True):
+        row = rows[number]
+        team = Team(table.names[blobs.color[centers.blob[int(row[CENTER])]]])
+        code = "".join(initials[dots.blob[int(dot)]] if dot >= 0 else "-" for dot in row[FIRST_DOT:])
+        robots.append(
+            _sighting(row, team, marker.id_by_code.get(code), pixel, told=not ambiguous and row[MATCHED] >= ENOUGH_DOTS)
+        )
+    return _unmistakable(robots)
+
+
+def _measured(
+    blobs: Blobs, table: ColorTable, colors: Collection[str], area_m2: float, camera: CameraModel, height_m: float
+) -> Dots:
+    """Blobs of some classes at marker height, their areas compared with what the camera model predicts."""
+    wanted = np.array([name in colors for name in table.names])
+    chosen = np.flatnonzero(wanted[blobs.color])
+    place = camera.field_from_pixel(blobs.center_px[chosen], height_m)
+    predicted = area_m2 * pixels_per_square_metre(camera, place, height_m)
+    return Dots(chosen, place, blobs.area_px[chosen] / predicted)
+
+
+def _of_right_size(dots: Dots, settings: RobotSettings) -> Dots:
+    right = (dots.share >= settings.min_area) & (dots.share <= settings.max_area)
+    return Dots(dots.blob[right], dots.place_m[right], dots.share[right])
+
+
+def _compete(rows: Floats, settings: RobotSettings) -> dict[int, bool]:
+    """The rows that win, best first, and whether the heading of each is ambiguous.
+
+    rows: hypotheses, best first. A blob serves once, and robots do not stand in one another.
+    """
+    ambiguous: dict[int, bool] = {}
+    winner_of_center: dict[float, int] = {}
+    used: set[float] = set()
+    spacing = NEAREST * 2.0 * settings.radius_m
+    for number, row in enumerate(rows.tolist()):
+        if row[SCORE] < settings.min_confidence:
+            break
+        if (winner := winner_of_center.get(row[CENTER])) is not None:
+            ambiguous[winner] |= _is_rival(row, rows[winner])
+            continue
+        dots = {dot for dot in row[FIRST_DOT:] if dot >= 0}
+        near = (math.hypot(row[X] - rows[other, X], row[Y] - rows[other, Y]) for other in ambiguous)
+        if not dots & used and all(distance >= spacing for distance in near):
+            winner_of_center[row[CENTER]] = number
+            ambiguous[number] = False
+            used |= dots
+    return ambiguous
+
+
+def _is_rival(row: list[float], winner: Floats) -> bool:
+    turn = abs(wrap_angle(row[HEADING] - float(winner[HEADING])))
+    as_many = row[MATCHED] == winner[MATCHED]
+    return as_many and row[SCORE] >= RIVAL_SCORE * winner[SCORE] and turn > RIVAL_TURN_RAD
+
+
+def _sighting(row: Floats, team: Team, number: int | None, pixel: list[float], *, told: bool) -> RobotSighting:
+    """A robot from a winning hypothesis; told: its dots tell the heading, and with it the id."""
+    return RobotSighting(
+        team=team,
+        id=number if told else None,
+        x_px=pixel[0],
+        y_px=pixel[1],
+        x_m=float(row[X]),
+        y_m=float(row[Y]),
+        heading_rad=wrap_angle(float(row[HEADING])) if told else None,
+        confidence=float(row[SCORE]),
+    )
+
+
+def _unmistakable(robots: list[RobotSighting]) -> tuple[tuple[RobotSighting, ...], tuple[str, ...]]:
+    """Robots by team and id. Which of two with the same id is which cannot be told: both lose it."""
+    worn = Counter((robot.team, robot.id) for robot in robots if robot.id is not None)
+    twice = {key: count for key, count in worn.items() if count > 1}
+    kept = [replace(robot, id=None) if (robot.team, robot.id) in twice else robot for robot in robots]
+    kept.sort(key=lambda robot: (robot.team, math.inf if robot.id is None else robot.id, robot.x_m))
+    reasons = [f"{NUMERALS.get(count, count)} robots wear {team} {number}" for (team, number), count in twice.items()]
+    return tuple(kept), tuple(reasons)
+
+
+def _why_none(blobs: Blobs, every: Dots, centers: Dots, rows: Floats, settings: RobotSettings) -> str:
+    """Why no robot was seen: what came nearest to one, and what it lacks."""
+    if not len(every.blob):
+        return "no robot: no blob of a team's color"
+    if not len(centers.blob):
+        nearest = int(np.argmax(likeness(every.share)))
+        return (
+            f"no robot: {len(every.blob)} blobs of a team's color, none of a center dot's size; the nearest, at "
+            f"{_place(blobs, every.blob[nearest])}, has {every.share[nearest]:.0%} of it "
+            f"({settings.min_area:.0%} to {settings.max_area:.0%} are accepted)"
+        )
+    if not len(rows):
+        nearest = int(np.argmax(likeness(centers.share)))
+        return f"no robot: no dot round the team-colored blob at {_place(blobs, centers.blob[nearest])}"
+    best = rows[0]
+    return (
+        f"no robot: the best, at {_place(blobs, centers.blob[int(best[CENTER])])} with {best[MATCHED]:.0f} dots, has "
+        f"confidence {best[SCORE]:.2f}, below robots.min_confidence {settings.min_confidence:g}"
+    )
+
+
+def _place(blobs: Blobs, blob: int) -> str:
+    x, y = blobs.center_px[blob]
+    return f"({x:.0f}, {y:.0f}) px"

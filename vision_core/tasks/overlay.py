@@ -1,0 +1,56 @@
+"""Draws into pictures what was seen in them."""
+
+import math
+
+import numpy as np
+
+from vision_core.camera_model import CameraModel
+from vision_core.geometry import Bytes
+from vision_core.opencv import Color, draw_circle, draw_line, draw_text
+from vision_core.settings import Settings
+from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
+
+TEAM_COLORS: dict[Team, Color] = {Team.BLUE: (255, 160, 40), Team.YELLOW: (40, 230, 255)}
+BALL_COLOR: Color = (0, 140, 255)
+DARK: Color = (0, 0, 0)
+
+
+def draw_sightings(pixels: Bytes, seen: Sightings, camera: CameraModel, settings: Settings) -> Bytes:
+    """A copy of a picture with every robot's outline, heading, team and id, and every ball."""
+    canvas = pixels.copy()
+    for robot in seen.robots:
+        _draw_robot(canvas, robot, camera, settings)
+    for ball in seen.balls:
+        _draw_ball(canvas, ball, camera, settings)
+    return canvas
+
+
+def _draw_robot(canvas: Bytes, robot: RobotSighting, camera: CameraModel, settings: Settings) -> None:
+    height, radius = settings.robots.height_m, settings.robots.radius_m
+    color = TEAM_COLORS[robot.team]
+    center = (robot.x_px, robot.y_px)
+    radius_px = radius * camera.pixels_per_metre((robot.x_m, robot.y_m), height)
+    _ring(canvas, center, radius_px, color)
+    name = "?" if robot.id is None else str(robot.id)
+    if robot.heading_rad is not None:
+        ahead = np.array([robot.x_m, robot.y_m]) + radius * np.array(
+            [math.cos(robot.heading_rad), math.sin(robot.heading_rad)]
+        )
+        x, y = camera.pixel_from_field(ahead, height)[0].tolist()
+        draw_line(canvas, center, (x, y), DARK, 4)
+        draw_line(canvas, center, (x, y), color, 2)
+        name += f" {math.degrees(robot.heading_rad):+.0f} deg"
+    label = f"{robot.team} {name} {robot.confidence:.2f}"
+    draw_text(canvas, label, (center[0] + radius_px + 4, center[1] - 4), color)
+
+
+def _draw_ball(canvas: Bytes, ball: BallSighting, camera: CameraModel, settings: Settings) -> None:
+    radius = settings.ball.radius_m
+    radius_px = radius * camera.pixels_per_metre((ball.x_m, ball.y_m), radius) + 3.0
+    _ring(canvas, (ball.x_px, ball.y_px), radius_px, BALL_COLOR)
+    draw_text(canvas, f"ball {ball.confidence:.2f}", (ball.x_px + radius_px + 4, ball.y_px + 4), BALL_COLOR)
+
+
+def _ring(canvas: Bytes, center: tuple[float, float], radius_px: float, color: Color) -> None:
+    draw_circle(canvas, center, radius_px, DARK, 3)
+    draw_circle(canvas, center, radius_px, color, 1)

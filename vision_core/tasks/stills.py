@@ -1,0 +1,65 @@
+"""Pictures from files, each judged alone: what ``pslv detect`` prints."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import msgspec
+
+from vision_core.clock import Instant, MonotonicClock
+from vision_core.errors import PslvError, SourceError
+from vision_core.opencv import read_picture, write_picture
+from vision_core.settings import Settings
+from vision_core.settings_models import camera_model_from
+from vision_core.tasks.overlay import draw_sightings
+from vision_core.tasks.perception import Perception
+from vision_core.types.image import ImageFrame
+from vision_core.types.objects import Sightings
+
+
+def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -> Iterator[dict[str, object]]:
+    """For every picture one table that JSON can hold: ``{"file", "robots", "balls", "reasons"}``.
+
+    A picture that cannot be read or has not the camera's size gives ``{"file", "error"}``, and the rest
+    go on. draw: folder for overlays, PNG under the picture's own name, made when it is not there.
+    Raises SettingsError when the settings name no usable pattern, SourceError when the folder cannot be made.
+    """
+    perception = Perception(settings)
+    if draw is not None:
+        _make_folder(draw)
+    for file in files:
+        try:
+            yield detect_still(file, perception, draw)
+        except PslvError as error:
+            yield {"file": str(file), "error": str(error)}
+
+
+def detect_still(file: Path, perception: Perception, draw: Path | None = None) -> dict[str, object]:
+    """What one picture shows. Raises SourceError when it cannot be read, has another size, or the overlay fails."""
+    settings = perception.settings
+    pixels = read_picture(file)
+    height, width, _ = pixels.shape
+    camera = settings.camera
+    if (width, height) != (camera.width_px, camera.height_px):
+        accepted = f"{camera.width_px}x{camera.height_px} (camera.width_px, camera.height_px of the venue)"
+        raise SourceError(f"picture {file}", found=f"{width}x{height} px", accepted=accepted)
+    seen = perception.perceive(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock())
+    if draw is not None:
+        overlay = draw_sightings(pixels, seen, camera_model_from(settings), settings)
+        write_picture(draw / f"{file.stem}.png", overlay)
+    return {"file": str(file), **_as_table(seen)}
+
+
+def _as_table(seen: Sightings) -> dict[str, object]:
+    parts = {"robots": seen.robots, "balls": seen.balls, "reasons": seen.reasons}
+    table: dict[str, object] = msgspec.to_builtins(parts)
+    return table
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        found = error.strerror or str(error)
+        raise SourceError(
+            f"folder {folder} for overlays", found=found, accepted="a folder that may be written"
+        ) from None
