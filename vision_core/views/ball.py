@@ -1,0 +1,126 @@
+"""How much of the ball is visible: interval arithmetic on exact angles, not samples.
+
+The ball is a circle on the floor; it spans the azimuth b +- asin(r / d) around its direction b. An
+obstacle hides the ball at an angle where its surface is nearer than the ball's **center** distance d: of two
+things that touch side by side, neither hides the other, and a ball in front of a wall that it touches is seen.
+So each obstacle is cut to the disc of radius d around us, and what is left of it hides an interval:
+
+- a circle at distance D, radius R: +- asin(R / D) around its direction, if the tangents touch it within the
+  disc, that is d^2 >= D^2 - R^2; otherwise +- acos((D^2 + d^2 - R^2) / (2 D d)), where the two circles cross;
+- a segment: from one end to the other of its piece within the disc (less than half a turn).
+
+What the union of these intervals leaves of the ball's interval is visible.
+"""
+
+import math
+
+import numpy as np
+
+from vision_core.geometry import Floats
+from vision_core.kernels import kernel
+
+SLIVER_RAD = 1e-9
+"""Less than this between two hiding intervals is rounding: a corner that two walls share is closed."""
+
+
+@kernel
+def _turn(angle: float) -> float:
+    """The same angle in [-pi, pi)."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@kernel
+def circle_shadow(x: float, y: float, radius: float, within: float) -> tuple[float, float]:
+    """Direction and half width [rad] of what a circle around (x, y) hides of a ball whose center is `within` away.
+
+    Half width 0: nothing; pi: everything, as the circle holds our center.
+    """
+    away = math.hypot(x, y)
+    if away <= radius:
+        return 0.0, math.pi
+    if away - radius >= within:
+        return 0.0, 0.0
+    if within * within >= away * away - radius * radius:
+        half = math.asin(radius / away)
+    else:
+        half = math.acos(min((away * away + within * within - radius * radius) / (2.0 * away * within), 1.0))
+    return math.atan2(y, x), half
+
+
+@kernel
+def segment_shadow(x1: float, y1: float, x2: float, y2: float, within: float) -> tuple[float, float]:
+    """Direction and half width [rad] of what a segment hides of a ball whose center is `within` away."""
+    ex, ey = x2 - x1, y2 - y1
+    square = ex * ex + ey * ey
+    middle = -(x1 * ex + y1 * ey) / square
+    aside = x1 * ey - y1 * ex
+    room = within * within * square - aside * aside
+    if room <= 0.0:
+        return 0.0, 0.0
+    half_chord = math.sqrt(room) / square
+    start, end = max(middle - half_chord, 0.0), min(middle + half_chord, 1.0)
+    if start >= end:
+        return 0.0, 0.0
+    first = math.atan2(y1 + start * ey, x1 + start * ex)
+    opening = _turn(math.atan2(y1 + end * ey, x1 + end * ex) - first)
+    return first + opening / 2.0, abs(opening) / 2.0
+
+
+@kernel
+def visible_share(
+    x_m: float,
+    y_m: float,
+    ball_x_m: float,
+    ball_y_m: float,
+    ball_radius_m: float,
+    walls_m: Floats,
+    circles_m: Floats,
+    radius_m: float,
+) -> float:
+    """Share 0..1 of the ball's azimuth that is visible from (x_m, y_m); exactly 1 when nothing hides any of it.
+
+    walls_m: solid segments x1 y1 x2 y2, shape (s, 4); circles_m: other robots' centers, shape (c, 2), of radius_m.
+    A ball that we stand on is visible: nothing is nearer.
+    """
+    bx, by = ball_x_m - x_m, ball_y_m - y_m
+    within = math.hypot(bx, by)
+    if within <= ball_radius_m:
+        return 1.0
+    azimuth, alpha = math.atan2(by, bx), math.asin(ball_radius_m / within)
+    lows, highs = np.empty(len(walls_m) + len(circles_m)), np.empty(len(walls_m) + len(circles_m))
+    count = 0
+    for k in range(len(lows)):
+        if k < len(walls_m):
+            direction, half = segment_shadow(
+                walls_m[k, 0] - x_m, walls_m[k, 1] - y_m, walls_m[k, 2] - x_m, walls_m[k, 3] - y_m, within
+            )
+        else:
+            c = k - len(walls_m)
+            direction, half = circle_shadow(circles_m[c, 0] - x_m, circles_m[c, 1] - y_m, radius_m, within)
+        offset = 0.0 if half >= math.pi else _turn(direction - azimuth)
+        if half > 0.0 and offset - half < alpha and offset + half > -alpha:
+            lows[count], highs[count] = max(offset - half, -alpha), min(offset + half, alpha)
+            count += 1
+    visible = _uncovered(lows[:count], highs[:count], -alpha, alpha)
+    if visible >= 2.0 * alpha - SLIVER_RAD:
+        return 1.0
+    return visible / (2.0 * alpha) if visible > SLIVER_RAD else 0.0
+
+
+@kernel
+def _uncovered(lows: Floats, highs: Floats, start: float, end: float) -> float:
+    """Length of what intervals leave of [start, end]. They are few: no sorting, each pass skips one overlap."""
+    free, here = 0.0, start
+    while here < end:
+        further, gap_end = here, end
+        for k in range(len(lows)):
+            if lows[k] <= here + SLIVER_RAD:
+                further = max(further, highs[k])
+            else:
+                gap_end = min(gap_end, lows[k])
+        if further > here:
+            here = further
+        else:
+            free += gap_end - here
+            here = gap_end
+    return free
