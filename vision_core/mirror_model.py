@@ -62,7 +62,10 @@ class Mirror:
     @property
     def horizon_px(self) -> float:
         """Where the infinitely far floor would be seen [px]; inf when B is 0."""
-        return math.sqrt(self.a**2 / self.b**2 - self.c) if self.b > 0.0 else math.inf
+        if self.b == 0.0:
+            return math.inf
+        ratio = self.a / self.b  # no power of a or b: a client's may overflow or vanish
+        return math.sqrt(max(ratio * ratio - self.c, 0.0))
 
     @overload
     def px_from_mm(self, r_mm: float) -> float: ...
@@ -90,6 +93,11 @@ class Mirror:
         s = math.sqrt(self.c + r_px**2)
         g = self.a - self.b * s
         return (g + self.b * r_px**2 / s) / g**2
+
+
+PAPER_MIRROR = Mirror(4.0187, 0.0125935, 90000.0)
+"""The mirror that the paper's own numbers imply (section 4.3): 4.4 mm/px at 110 mm, 5 mm/px at 220 mm, f = 300 px.
+Default of the fields up to 3 m, and of clients, which version 1 does not tell the server's."""
 
 
 def check_span(mirror: Mirror, diagonal_m: float) -> None:

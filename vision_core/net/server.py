@@ -1,0 +1,234 @@
+"""Joins the server's sockets to ``Sessions``, without an event loop of its own.
+
+One descriptor stands for all sockets: wait until ``fileno()`` is readable, then call ``handle_readable``,
+which handles a bounded number of datagrams, so that a flood cannot hold up the frame. A frame's views are
+made first and then sent back to back, in an order drawn anew for every frame (paper, section 3.3).
+"""
+
+import random
+import select
+import socket
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from vision_core.clock import Clock, Instant
+from vision_core.net.udp import Datagram, Outcome, SessionSocket, SharedSocket
+from vision_core.protocol.lifecycle import Peer, Port, Session
+from vision_core.protocol.session import (
+    Arrival,
+    Event,
+    Reply,
+    SessionClosed,
+    SessionMoved,
+    SessionOpened,
+    Sessions,
+)
+
+MOST_DATAGRAMS = 64
+"""Handled in one go."""
+MOST_OF_ONE = 16
+"""Of one socket, before the others have their turn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Delivery:
+    """How one session was served in one frame."""
+
+    session: Session
+    rank: int
+    """Place in the random order, 0 first."""
+    sent: Instant
+    outcome: Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class FrameReport:
+    """How one frame was served."""
+
+    frame_number: int
+    deliveries: tuple[Delivery, ...]
+    """In the order of sending."""
+    events: tuple[Event, ...]
+    """What the sending led to: sessions that ended or moved."""
+
+
+@dataclass(slots=True)
+class Tally:
+    """What one session got, since this process serves it."""
+
+    sent: int = 0
+    dropped: int = 0
+    frames: int = 0
+    rank_sum: float = 0.0
+    """Of places in the order, 0 first .. 1 last."""
+
+    @property
+    def mean_rank(self) -> float:
+        """0.5 is fair."""
+        return self.rank_sum / self.frames if self.frames else 0.5
+
+
+@dataclass(slots=True)
+class _Line:
+    socket: SessionSocket
+    tally: Tally
+
+
+class UdpServer:
+    """Serves views to clients. Sessions that were restored get their sockets back at once."""
+
+    def __init__(
+        self,
+        main: socket.socket,
+        session: socket.socket,
+        sessions: Sessions,
+        clock: Clock,
+        order: random.Random | None = None,
+    ) -> None:
+        self.sessions = sessions
+        self._clock = clock
+        self._order = order or random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
+        self._shared = {Port.MAIN: SharedSocket(main), Port.SESSION: SharedSocket(session)}
+        self._lines: dict[Session, _Line] = {}
+        self._listening: dict[int, SharedSocket | Session] = {}
+        self._poll = select.epoll()
+        for shared in self._shared.values():
+            self._listen(shared.fileno(), shared)
+        self._carry_out([SessionOpened(restored) for restored in sessions])
+
+    def fileno(self) -> int:
+        """Readable when any socket is: register the server itself with a selector."""
+        return self._poll.fileno()
+
+    def close(self) -> None:
+        """Let go of the sessions' sockets. The two that were handed in stay open."""
+        for line in self._lines.values():
+            line.socket.close()
+        self._lines.clear()
+        self._listening.clear()
+        self._poll.close()
+
+    def tally(self, session: Session) -> Tally:
+        """What an open session got. Raises KeyError when it is not open."""
+        return self._lines[session].tally
+
+    def handle_readable(self) -> list[Event]:
+        """Take what came in, at most 64 datagrams, and answer; returns what happened."""
+        happened: list[Event] = []
+        left = MOST_DATAGRAMS
+        for descriptor, _ in self._poll.poll(0):
+            source = self._listening.get(descriptor)
+            for _ in range(min(left, MOST_OF_ONE)):
+                if source is None or self._listening.get(descriptor) is not source:
+                    break
+                events = self._receive_from(source)
+                if events is None:
+                    break
+                left -= 1
+                happened += self._carry_out(events)
+        return happened
+
+    def expire(self) -> list[Event]:
+        """End silent sessions; call it once a second or so."""
+        return self._carry_out(self.sessions.expire(self._clock.now()))
+
+    def end(self, session: Session) -> list[Event]:
+        """End a session for the operator."""
+        return self._carry_out(self.sessions.close(session))
+
+    def send_views(
+        self, frame_number: int, at: Instant, datagram_for: Callable[[Session], bytes | None]
+    ) -> FrameReport:
+        """Send a frame's views in random order to the sessions that want one.
+
+        at: grab of the frame; datagram_for: a session's ``see``, or None when its robot is not known.
+        """
+        ready = []
+        for session, line in self._lines.items():
+            if session.wants(at) and (data := datagram_for(session)) is not None:
+                ready.append((session, line, data))
+        self._order.shuffle(ready)
+        deliveries = []
+        for rank, (session, line, data) in enumerate(ready):
+            outcome = line.socket.send(data)
+            deliveries.append(Delivery(session, rank, self._clock.now(), outcome))
+        events: list[Event] = []
+        for delivery, (session, line, _) in zip(deliveries, ready, strict=True):
+            session.note_served(at)
+            _count(line.tally, delivery, len(ready))
+            if delivery.outcome is Outcome.REFUSED:
+                events += self._carry_out(self.sessions.refused(session, delivery.sent))
+        return FrameReport(frame_number, tuple(deliveries), tuple(events))
+
+    def _receive_from(self, source: SharedSocket | Session) -> list[Event] | None:
+        """What the next datagram of a socket leads to; None when there is none."""
+        now = self._clock.now()
+        if isinstance(source, Session):
+            received = self._lines[source].socket.receive()
+            port = source.port
+        else:
+            received = source.receive()
+            port = Port.MAIN if source is self._shared[Port.MAIN] else Port.SESSION
+        if isinstance(received, Datagram):
+            return self.sessions.receive(received.data, Peer(*received.peer), Arrival(port, received.local), now)
+        if received is None or not isinstance(source, Session):
+            return None
+        return self.sessions.refused(source, now)
+
+    def _carry_out(self, events: Iterable[Event]) -> list[Event]:
+        """Open, move and close sockets and send replies, in order; returns all events."""
+        happened: list[Event] = []
+        waiting = deque(events)
+        while waiting:
+            event = waiting.popleft()
+            happened.append(event)
+            match event:
+                case SessionOpened(session) | SessionMoved(session):
+                    if not self._open(session):
+                        waiting.extend(self.sessions.not_opened(session))
+                case SessionClosed(session):
+                    self._close(session)
+                case Reply():
+                    waiting.extend(self._reply(event))
+        return happened
+
+    def _reply(self, reply: Reply) -> list[Event]:
+        if reply.session is None:
+            self._shared[reply.via.port].send(reply.data, reply.to, reply.via.local)
+            return []
+        line = self._lines.get(reply.session)
+        if line is None or line.socket.send(reply.data) is not Outcome.REFUSED:
+            return []
+        return self.sessions.refused(reply.session, self._clock.now())
+
+    def _open(self, session: Session) -> bool:
+        """A socket for a session; its tally goes on when it moves."""
+        tally = self._lines[session].tally if session in self._lines else Tally()
+        self._close(session)
+        try:
+            opened = SessionSocket(self._shared[session.port].socket, session.local, session.peer)
+        except OSError:
+            return False
+        self._lines[session] = _Line(opened, tally)
+        self._listen(opened.fileno(), session)
+        return True
+
+    def _close(self, session: Session) -> None:
+        line = self._lines.pop(session, None)
+        if line is not None:
+            del self._listening[line.socket.fileno()]
+            line.socket.close()
+
+    def _listen(self, descriptor: int, source: SharedSocket | Session) -> None:
+        self._listening[descriptor] = source
+        self._poll.register(descriptor, select.EPOLLIN)
+
+
+def _count(tally: Tally, delivery: Delivery, clients: int) -> None:
+    tally.frames += 1
+    tally.rank_sum += delivery.rank / (clients - 1) if clients > 1 else 0.5
+    if delivery.outcome is Outcome.SENT:
+        tally.sent += 1
+    else:
+        tally.dropped += 1

@@ -1,0 +1,233 @@
+"""UDP sockets of the server: standard library only, no protocol. Nothing here ever blocks."""
+
+import contextlib
+import errno
+import socket
+import struct
+from dataclasses import dataclass
+from enum import Enum
+from typing import TypeAlias
+
+from vision_core.errors import ServiceError
+
+Address: TypeAlias = tuple[str, int, int]
+"""Host, port, and the scope of an IPv6 link-local address (0 elsewhere)."""
+
+LONGEST_RECEIVED = 2048
+"""The rest of a longer datagram is cut off; it is over every limit anyway [bytes]."""
+SHARED_BUFFER = 1 << 20
+"""Of an unconnected socket: a flood must not push out another client's init [bytes]."""
+SEND_BUFFER = 16384
+"""Of a session: a few views; older ones are worth nothing [bytes]."""
+DSCP_EF = 46 << 2
+"""Expedited forwarding, as the byte that holds it."""
+ANY_PORT_ATTEMPTS = 50
+IP_PKTINFO = getattr(socket, "IP_PKTINFO", 8)
+"""Linux's number; the socket module learned the name late."""
+IN_PKTINFO = struct.Struct("=i4s4s")
+IN6_PKTINFO = struct.Struct("=16si")
+ANCILLARY = socket.CMSG_SPACE(IN6_PKTINFO.size)
+
+
+class Outcome(Enum):
+    """What became of a datagram that was sent."""
+
+    SENT = "sent"
+    DROPPED = "dropped"
+    """Buffers are full, or the network is away: it is lost, the session stays."""
+    REFUSED = "refused"
+    """The client's machine says that nobody listens."""
+
+
+@dataclass(frozen=True, slots=True)
+class Datagram:
+    """What came in."""
+
+    data: bytes
+    peer: Address
+    local: str
+    """Our address that it came to."""
+
+
+def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[socket.socket, socket.socket]:
+    """The main socket and the unconnected one of the session port, bound and non-blocking.
+
+    session_port 0: udp_port + 1; udp_port 0: any free pair. Raises ServiceError when they cannot be had.
+    """
+    if udp_port == 65535 and session_port == 0:
+        raise ServiceError("a session port of udp_port + 1", found="udp_port 65535", accepted="udp_port below 65535")
+    if udp_port:
+        main = _open_shared(host, udp_port)
+        return main, _open_second(main, host, session_port or udp_port + 1)
+    for _ in range(ANY_PORT_ATTEMPTS):
+        main = _open_shared(host, 0)
+        chosen = main.getsockname()[1]
+        with contextlib.suppress(ServiceError):
+            if session_port or chosen < 65535:
+                return main, _open_second(main, host, session_port or chosen + 1)
+    raise ServiceError(f"two UDP ports on {host or 'all addresses'}", found="none free", accepted="a free pair")
+
+
+class SharedSocket:
+    """An unconnected socket: anybody may send to it."""
+
+    def __init__(self, bound: socket.socket) -> None:
+        self._socket = bound
+        self._local = str(bound.getsockname()[0])
+        self._wildcard = self._local in ("0.0.0.0", "::")  # noqa: S104 (compared, not bound)
+
+    def fileno(self) -> int:
+        return self._socket.fileno()
+
+    @property
+    def socket(self) -> socket.socket:
+        return self._socket
+
+    def receive(self) -> Datagram | None:
+        """The next datagram; None when there is none. An error that the network reported is passed over."""
+        try:
+            data, ancillary, _, source = self._socket.recvmsg(LONGEST_RECEIVED, ANCILLARY)
+        except OSError:
+            return None
+        return Datagram(data, _address(source), self._arrived_at(ancillary))
+
+    def send(self, data: bytes, peer: Address, local: str) -> Outcome:
+        """Send from our address that the request came to."""
+        ancillary = _source_address(self._socket.family, local) if self._wildcard else []
+        try:
+            self._socket.sendmsg([data], ancillary, 0, _sockaddr(self._socket.family, peer))
+        except OSError:
+            return Outcome.DROPPED
+        return Outcome.SENT
+
+    def _arrived_at(self, ancillary: list[tuple[int, int, bytes]]) -> str:
+        for level, kind, content in ancillary:
+            if (level, kind) == (socket.IPPROTO_IP, IP_PKTINFO) and len(content) >= IN_PKTINFO.size:
+                return socket.inet_ntoa(IN_PKTINFO.unpack_from(content)[2])
+            if (level, kind) == (socket.IPPROTO_IPV6, socket.IPV6_PKTINFO) and len(content) >= IN6_PKTINFO.size:
+                return socket.inet_ntop(socket.AF_INET6, IN6_PKTINFO.unpack_from(content)[0])
+        return self._local
+
+
+class SessionSocket:
+    """A socket of one session: on one of the server's ports, connected to the client.
+
+    Between bind and connect a stranger's datagram may slip in; so every datagram carries its own sender.
+    Raises OSError when the system has no socket for it.
+    """
+
+    def __init__(self, shared: socket.socket, local: str, peer: Address) -> None:
+        self._local = local
+        self._socket = socket.socket(shared.family, socket.SOCK_DGRAM)
+        try:
+            self._socket.setblocking(False)
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+            _prefer(self._socket)
+            own = (local, shared.getsockname()[1], peer[2])
+            self._socket.bind(_sockaddr(shared.family, own))
+            self._socket.connect(_sockaddr(shared.family, peer))
+        except OSError:
+            self._socket.close()
+            raise
+
+    def fileno(self) -> int:
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def send(self, data: bytes) -> Outcome:
+        """Send to the client, now or never."""
+        try:
+            self._socket.send(data)
+        except ConnectionRefusedError:
+            return Outcome.REFUSED
+        except OSError:  # EWOULDBLOCK, ENOBUFS, ENETUNREACH, EHOSTUNREACH, ENETDOWN, EINVAL: an address that went
+            return Outcome.DROPPED
+        return Outcome.SENT
+
+    def receive(self) -> Datagram | Outcome | None:
+        """The next datagram; REFUSED when the client's machine said so; None when there is nothing."""
+        try:
+            data, source = self._socket.recvfrom(LONGEST_RECEIVED)
+        except ConnectionRefusedError:
+            return Outcome.REFUSED
+        except OSError:
+            return None
+        return Datagram(data, _address(source), self._local)
+
+
+def _open_shared(host: str, port: int) -> socket.socket:
+    family, sockaddr = _resolved(host, port)
+    opened = socket.socket(family, socket.SOCK_DGRAM)
+    try:
+        opened.setblocking(False)
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SHARED_BUFFER)
+        _tell_arrival(opened)
+        _prefer(opened)
+        opened.bind(sockaddr)
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # after bind: see the package's docstring
+    except OSError as error:
+        opened.close()
+        raise _no_port(host, port, error) from None
+    return opened
+
+
+def _open_second(main: socket.socket, host: str, port: int) -> socket.socket:
+    try:
+        return _open_shared(host, port)
+    except ServiceError:
+        main.close()
+        raise
+
+
+def _resolved(host: str, port: int) -> tuple[int, tuple[str | int, ...]]:
+    try:
+        found = socket.getaddrinfo(host or None, port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE)
+    except socket.gaierror as error:
+        raise ServiceError(f"UDP address {host!r}", found=str(error), accepted="an address of this machine") from None
+    family, _, _, _, sockaddr = min(found, key=lambda info: info[0] != socket.AF_INET)
+    return family, (str(sockaddr[0]), *(int(part) for part in sockaddr[1:]))
+
+
+def _no_port(host: str, port: int, error: OSError) -> ServiceError:
+    accepted = "a port above 1023, or the right to open this one" if error.errno == errno.EACCES else "a free port"
+    if error.errno == errno.EADDRNOTAVAIL:
+        accepted = "an address of this machine"
+    found = "another program has it" if error.errno == errno.EADDRINUSE else error.strerror or str(error)
+    return ServiceError(f"UDP port {port} of {host or 'all addresses'}", found=found, accepted=accepted)
+
+
+def _tell_arrival(opened: socket.socket) -> None:
+    """Have each datagram say which of our addresses it came to."""
+    if opened.family == socket.AF_INET6:
+        opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_RECVPKTINFO, 1)
+    else:
+        opened.setsockopt(socket.IPPROTO_IP, IP_PKTINFO, 1)
+
+
+def _prefer(opened: socket.socket) -> None:
+    """Ask the network for low delay; not every network listens."""
+    with contextlib.suppress(OSError):
+        if opened.family == socket.AF_INET6:
+            opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS, DSCP_EF)
+        else:
+            opened.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, DSCP_EF)
+
+
+def _address(source: tuple[str | int, ...]) -> Address:
+    return str(source[0]), int(source[1]), int(source[3]) if len(source) == 4 else 0
+
+
+def _sockaddr(family: int, address: Address) -> tuple[str | int, ...]:
+    host, port, scope = address
+    return (host, port, 0, scope) if family == socket.AF_INET6 else (host, port)
+
+
+def _source_address(family: int, local: str) -> list[tuple[int, int, bytes]]:
+    if family == socket.AF_INET6:
+        content = IN6_PKTINFO.pack(socket.inet_pton(socket.AF_INET6, local), 0)
+        return [(socket.IPPROTO_IPV6, socket.IPV6_PKTINFO, content)]
+    content = IN_PKTINFO.pack(0, socket.inet_aton(local), bytes(4))
+    return [(socket.IPPROTO_IP, IP_PKTINFO, content)]

@@ -1,0 +1,49 @@
+"""Brackets and words: text -> nested tuples of words, iteratively, with bounded depth and number."""
+
+import re
+from typing import TypeAlias, Union
+
+SPACE = b" \t\r\n\v\f"
+DEEPEST = 3
+"""``(a (b (c)))``: no command nests deeper."""
+MOST_FORMS = 16
+"""One datagram may hold a form per robot of a team."""
+
+Form: TypeAlias = tuple[Union[str, "Form"], ...]
+
+_LEGAL = re.compile(rb"[\t-\r -~]*")
+_TOKENS = re.compile(r"[()]|[^\s()]+")
+_INTEGER = re.compile(r"0|-?[1-9][0-9]{0,8}")
+_REAL = re.compile(r"[+-]?(?:[0-9]{1,20}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,3})?")
+
+
+def parse_forms(body: bytes) -> tuple[Form, ...] | None:
+    """The forms that a datagram holds, 1 to 16, in lower case; None when they are malformed."""
+    if not _LEGAL.fullmatch(body):
+        return None
+    done: list[Form] = []
+    open_forms: list[list[str | Form]] = []
+    for match in _TOKENS.finditer(body.decode("ascii").lower()):
+        word = match.group()
+        if word == "(":
+            if len(open_forms) == DEEPEST or len(done) == MOST_FORMS:
+                return None
+            open_forms.append([])
+        elif not open_forms:
+            return None
+        elif word == ")":
+            form = tuple(open_forms.pop())
+            (open_forms[-1] if open_forms else done).append(form)
+        else:
+            open_forms[-1].append(word)
+    return tuple(done) if done and not open_forms else None
+
+
+def integer(word: "str | Form") -> int | None:
+    """A decimal integer as people write it: no sign +, no leading zero; None for anything else."""
+    return int(word) if isinstance(word, str) and _INTEGER.fullmatch(word) else None
+
+
+def real(word: "str | Form") -> float | None:
+    """A decimal number; None for anything else (nan, inf, 1_000)."""
+    return float(word) if isinstance(word, str) and _REAL.fullmatch(word) else None

@@ -1,0 +1,65 @@
+"""RobotView -> the exact ``see`` datagram (PSLV paper, section 3.2 and equation 1)."""
+
+import math
+
+import numpy as np
+
+from vision_core.clock import Instant
+from vision_core.geometry import Bytes, Floats
+from vision_core.mirror_model import LARGEST_PX, MM_PER_M, Mirror
+from vision_core.protocol.codec import encode_see
+from vision_core.protocol.letters import LetterTable, letters_by_kind
+from vision_core.protocol.messages import HIDDEN, Ball, See
+from vision_core.protocol.options import Options, ray_indices
+from vision_core.types.field import EdgeKind
+from vision_core.types.views import BallView, RobotView
+
+NOTHING_PX = 255
+"""``ff``: nothing within range."""
+NS_PER_US = 1000
+
+_HEX = np.frombuffer("".join(f"{value:02x}" for value in range(256)).encode(), dtype=np.uint8).reshape(256, 2)
+
+
+def see_from_view(
+    view: RobotView, options: Options, mirror: Mirror, letters: LetterTable, boot: Instant, *, nul: bool = False
+) -> bytes:
+    """The datagram of a view as a client asked for it.
+
+    view: of rays evenly spaced over the circle, ray 0 ahead, anticlockwise; their number a multiple of
+    ``options.rays_per_circle`` (ValueError otherwise). mirror: the field's, when the options name none.
+    boot: where Time is 0.
+    """
+    own = options.mirror or mirror
+    px, kinds = edge_px(view, own), view.kinds
+    chosen = ray_indices(options, len(kinds))
+    if chosen is not None:
+        px, kinds = px[chosen], kinds[chosen]
+    edges = np.empty((len(px), 3), dtype=np.uint8)
+    edges[:, 0] = letters_by_kind(letters, options.types)[kinds]
+    edges[:, 1:] = _HEX[px]
+    edges[px == NOTHING_PX, 0] = ord(letters.nothing)
+    see = See((view.at - boot) // NS_PER_US, edges.tobytes(), ball_from_view(view.ball, options, own))
+    return encode_see(see, options.time) + (b"\0" if nul else b"")
+
+
+def edge_px(view: RobotView, mirror: Mirror) -> Bytes:
+    """int(f^-1(r)) of every ray, at most 254; 255 for nothing; shape (n,)."""
+    seen = (view.kinds != EdgeKind.NOTHING) & (view.distances_m < math.inf)
+    distances_mm: Floats = np.where(seen, view.distances_m, 0.0) * MM_PER_M
+    px = np.minimum(mirror.px_from_mm(distances_mm), LARGEST_PX)
+    return np.where(seen, px, NOTHING_PX).astype(np.uint8)
+
+
+def ball_from_view(ball: BallView | None, options: Options, mirror: Mirror) -> Ball:
+    """The ball in whole pixels and degrees, halves rounded up; hidden outside the client's field of view."""
+    if ball is None:
+        return HIDDEN
+    direction_deg = ball.direction_deg if options.sense == "ccw" else -ball.direction_deg
+    if options.fov_deg < 360.0:
+        off_center_deg = abs((direction_deg - options.center_deg + 180.0) % 360.0 - 180.0)
+        if off_center_deg > (options.fov_deg + ball.size_deg) / 2.0:
+            return HIDDEN
+    size_deg = ball.size_deg if options.size == "full" else ball.size_deg / 2.0
+    px = min(int(mirror.px_from_mm(ball.distance_m * MM_PER_M)), LARGEST_PX)
+    return Ball(px, math.floor(direction_deg + 0.5) % 360, max(math.floor(size_deg + 0.5), 1))
