@@ -39,6 +39,11 @@ def accepted_half_extent(field: FieldSettings) -> tuple[float, float]:
     return field.length_m / 2.0 + beyond, field.width_m / 2.0 + beyond
 
 
+def diagonal_m(field: FieldSettings) -> float:
+    """The longest distance inside the walls or limits [m]."""
+    return 2.0 * math.hypot(*accepted_half_extent(field))
+
+
 def is_accepted(field: FieldSettings, x_m: float, y_m: float) -> bool:
     """Is a point on the field, its margin or in a goal: where a ball may be?"""
     half_x, half_y = accepted_half_extent(field)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from vision_core.errors import SettingsError
-from vision_core.field_model import accepted_half_extent
+from vision_core.field_model import diagonal_m
 from vision_core.mirror_model import check_span
 from vision_core.settings import ColorRange, Settings
 from vision_core.settings_models import camera_model_from, mirror_from
@@ -85,9 +85,7 @@ def _camera(settings: Settings) -> Iterator[Violation]:
 
 
 def _mirror(settings: Settings) -> Iterator[Violation]:
-    half_x, half_y = accepted_half_extent(settings.field)
-    diagonal_m = 2.0 * float(half_x**2 + half_y**2) ** 0.5
     try:
-        check_span(mirror_from(settings), diagonal_m)
+        check_span(mirror_from(settings), diagonal_m(settings.field))
     except SettingsError as error:
         yield Violation("mirror", error.found, error.accepted)

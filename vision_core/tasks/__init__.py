@@ -3,5 +3,6 @@ what it reads and what it writes.
 
 Files, outside-in: ``table``; the tasks ``capture``, ``perceive``, ``serve`` (each the main module of one
 process) and ``compile`` (runs once, before them); ``perception`` and ``serving`` (several stages in a row,
-without processes or clocks of their own, as the tests use them); ``gauge`` (how a task does).
+without processes of their own: benchmarks and ``stills`` use them too); ``warm_up`` (every kernel used
+once); ``preflight`` (can the source be opened?); ``gauge`` (how a task does).
 """

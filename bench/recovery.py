@@ -1,0 +1,89 @@
+"""Kills the processes of a running service one by one (SIGKILL) and measures how long it misses them.
+
+A client listens all the while: what it misses is the longest interval between two of its messages.
+"""
+
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from bench.service import RunningService, running_service
+from vision_core.client.connection import Connection, connect
+
+PATIENCE_S = 20.0
+SETTLE_S = 3.0
+
+
+def run(rounds: int = 3) -> list[dict[str, Any]]:
+    """Kill every process some times, then the supervisor; returns the rows of the table."""
+    rows: list[dict[str, Any]] = []
+    with running_service() as service:
+        listener = Listener(service.udp_port)
+        for name in ("capture", "perceive", "serve", "web"):
+            back, silent = zip(*(_kill(service, listener, name) for _ in range(rounds)), strict=True)
+            rows.append({"name": f"{name}: process back after, worst", "value": round(max(back), 2), "unit": "s"})
+            rows.append({"name": f"{name}: client's longest silence", "value": round(max(silent), 2), "unit": "s"})
+        rows.append({"name": "client had to reconnect", "value": listener.stop(), "unit": "times"})
+        pids = [*service.pids().values(), service.process.pid]
+        service.process.kill()
+        time.sleep(1.0)
+        left = sum(_is_alive(pid) for pid in pids)
+        rows.append({"name": "processes left 1 s after the supervisor's kill -9", "value": left, "unit": ""})
+    return rows
+
+
+class Listener:
+    """A client in a thread that notes when its messages come."""
+
+    def __init__(self, udp_port: int) -> None:
+        self._connection: Connection = connect("127.0.0.1", udp_port, "blue", 1)
+        self._running = True
+        self.last = time.monotonic()
+        self.longest = 0.0
+        self.reconnects = 0
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        while self._running:
+            if self._connection.receive(timeout_s=1.0) is None:
+                continue
+            now = time.monotonic()
+            self.longest = max(self.longest, now - self.last)
+            self.last = now
+
+    def stop(self) -> int:
+        """End; returns how often it had to reconnect."""
+        self._running = False
+        self._thread.join()
+        self._connection.close()
+        return self.reconnects
+
+
+def _kill(service: RunningService, listener: Listener, name: str) -> tuple[float, float]:
+    """Kill one process; returns seconds until its successor works, and the client's longest silence."""
+    time.sleep(SETTLE_S)
+    victim = service.pids()[name]
+    listener.longest = 0.0
+    began = time.monotonic()
+    os.kill(victim, signal.SIGKILL)
+    while time.monotonic() - began < PATIENCE_S:
+        time.sleep(0.02)
+        try:
+            if service.pids().get(name, victim) != victim and service.get("/readyz")[0] == 200:
+                break
+        except OSError:
+            continue
+    back = time.monotonic() - began
+    time.sleep(0.5)
+    return back, listener.longest
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False

@@ -1,0 +1,181 @@
+"""Process: sightings -> datagrams. Released by perception and by whatever clients send.
+
+Its sessions are written to the database after every frame, so that a successor goes on with the same
+clients, ports and Time where this process stopped.
+"""
+
+import contextlib
+import os
+import random
+import select
+import socket
+import statistics
+from collections import deque
+
+from vision_core.clock import MonotonicClock, seconds_between
+from vision_core.field_model import diagonal_m
+from vision_core.net.server import FrameReport, UdpServer
+from vision_core.protocol.admission import Admission
+from vision_core.protocol.session import Event, Refused, Rules, Sessions
+from vision_core.rtdb import records
+from vision_core.rtdb.attachment import Attachment, attach
+from vision_core.rtdb.records import ClientInfo, Serving
+from vision_core.settings import Settings
+from vision_core.tasks.gauge import Gauge
+from vision_core.tasks.serving import SceneMaker
+from vision_core.tasks.warm_up import warm_up_scene
+from vision_core.types.objects import Sightings
+
+PUBLISH_EVERY_S = 0.5
+LAGS_KEPT = 300
+REFUSALS_KEPT = 20
+LONGEST_WAIT_S = 0.25
+MS_PER_S = 1e3
+
+
+def main() -> None:
+    """Run until the supervisor says stop."""
+    attachment = attach()
+    clock = MonotonicClock()
+    gauge = Gauge(attachment, clock.now())
+    settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
+    warm_up_scene(settings)
+    Server(attachment, settings, gauge).run()
+
+
+class Server:
+    """Tracks, observes, sends, answers; one thread."""
+
+    def __init__(self, attachment: Attachment, settings: Settings, gauge: Gauge) -> None:
+        self._attachment = attachment
+        self._gauge = gauge
+        self._clock = MonotonicClock()
+        self._scenes = SceneMaker(settings, attachment.boot)
+        store = attachment.store
+        self._sightings = records.sightings(settings.camera.name).reader(store)
+        self._world = records.WORLD.writer(store)
+        self._views = records.VIEWS.writer(store)
+        self._serving = records.SERVING.writer(store)
+        self._sessions = store.writer(records.SESSIONS.name)
+        main, session = (socket.socket(fileno=os.dup(attachment.handed.sockets[name])) for name in ("main", "session"))
+        order = random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
+        self._udp = UdpServer(main, session, self._restored(settings), self._clock, order)
+        self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
+        self._refused: deque[str] = deque(maxlen=REFUSALS_KEPT)
+        self._sent: dict[tuple[str, int], int] = {}
+        self._published = self._clock.now()
+        self._newest = self._sightings.sequence
+
+    def run(self) -> None:
+        """Serve frames and clients until told to stop."""
+        wake = self._attachment.handed.wake
+        assert wake is not None
+        poller = select.poll()
+        poller.register(wake, select.POLLIN)
+        poller.register(self._udp.fileno(), select.POLLIN)
+        while not self._attachment.stopping:
+            ready = {descriptor for descriptor, _ in poller.poll(LONGEST_WAIT_S * MS_PER_S)}
+            if wake in ready:
+                with contextlib.suppress(BlockingIOError):
+                    os.eventfd_read(wake)
+                self._serve_newest()
+            if self._udp.fileno() in ready:
+                self._note(self._udp.handle_readable())
+            self._publish_if_due()
+
+    def _serve_newest(self) -> None:
+        """Send the newest frame's views, then write down what was sent."""
+        released = self._clock.now()
+        seen = self._sightings.read(released)
+        if seen is None or seen.sequence == self._newest:
+            return
+        missed = seen.sequence - self._newest - 1
+        self._newest = seen.sequence
+        report = self._send(seen.value)
+        done = self._clock.now()
+        if report.deliveries:
+            self._lags_s.append(seconds_between(seen.measured, done))
+        self._note(report.events)
+        self._keep_sessions()
+        self._gauge.ran(released, done, missed)
+
+    def _send(self, sightings: Sightings) -> FrameReport:
+        scene = self._scenes.scene(sightings)
+        at = scene.world.at
+        report = self._udp.send_views(
+            scene.world.frame_number,
+            at,
+            lambda session: self._scenes.datagram(
+                scene, session.team, session.number, session.init.options, nul=session.nul
+            ),
+        )
+        now = self._clock.now()
+        self._world.write(scene.world, at, now)
+        self._views.write(self._scenes.snapshot(scene), at, now)
+        return report
+
+    def _publish_if_due(self) -> None:
+        now = self._clock.now()
+        self._gauge.publish_if_due(now)
+        elapsed_s = seconds_between(self._published, now)
+        if elapsed_s < PUBLISH_EVERY_S:
+            return
+        self._note(self._udp.expire())
+        lags = sorted(self._lags_s) or [0.0]
+        serving = Serving(
+            clients=self._clients(elapsed_s),
+            lag_median_ms=statistics.median(lags) * MS_PER_S,
+            lag_max_ms=lags[-1] * MS_PER_S,
+            refused=tuple(self._refused),
+        )
+        self._serving.write(serving, now, now)
+        self._published = now
+
+    def _clients(self, elapsed_s: float) -> tuple[ClientInfo, ...]:
+        infos = []
+        before, self._sent = self._sent, {}
+        for session in self._udp.sessions:
+            tally = self._udp.tally(session)
+            key = (session.team, session.number)
+            self._sent[key] = tally.sent
+            infos.append(
+                ClientInfo(
+                    team=session.team,
+                    number=session.number,
+                    address=session.peer.host,
+                    port=session.peer.port,
+                    since=session.opened,
+                    sent=tally.sent,
+                    dropped=tally.dropped,
+                    rate_hz=max(tally.sent - before.get(key, 0), 0) / elapsed_s,
+                    mean_rank=tally.mean_rank,
+                )
+            )
+        return tuple(sorted(infos, key=lambda info: (info.team, info.number)))
+
+    def _note(self, events: list[Event] | tuple[Event, ...]) -> None:
+        for event in events:
+            if isinstance(event, Refused):
+                self._refused.append(f"{event.peer.host} port {event.peer.port}: {event.error.value}")
+        if events:
+            self._keep_sessions()
+
+    def _keep_sessions(self) -> None:
+        now = self._clock.now()
+        self._sessions.write(self._udp.sessions.snapshot(), now, now)
+
+    def _restored(self, settings: Settings) -> Sessions:
+        """The sessions of a predecessor that died, or none."""
+        rules = Rules(
+            boot=self._attachment.boot,
+            numbers=settings.match.numbers,
+            lease_s=settings.protocol.lease_s,
+            diagonal_m=diagonal_m(settings.field),
+            admission=Admission.from_subnets(settings.admission.subnets),
+        )
+        kept = self._attachment.store.reader(records.SESSIONS.name).read(self._clock.now())
+        return Sessions(rules) if kept is None else Sessions.restore(rules, kept.value)
+
+
+if __name__ == "__main__":
+    main()
