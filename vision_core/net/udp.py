@@ -68,6 +68,11 @@ def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[so
     raise ServiceError(f"two UDP ports on {host or 'all addresses'}", found="none free", accepted="a free pair")
 
 
+def adopted(descriptor: int) -> socket.socket:
+    """A socket that another process opened and handed down."""
+    return socket.socket(fileno=descriptor)
+
+
 class SharedSocket:
     """An unconnected socket: anybody may send to it."""
 

@@ -8,13 +8,13 @@ import contextlib
 import os
 import random
 import select
-import socket
 import statistics
 from collections import deque
 
 from vision_core.clock import MonotonicClock, seconds_between
 from vision_core.field_model import diagonal_m
 from vision_core.net.server import FrameReport, UdpServer
+from vision_core.net.udp import adopted
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.session import Event, Refused, Rules, Sessions
 from vision_core.rtdb import records
@@ -57,7 +57,7 @@ class Server:
         self._views = records.VIEWS.writer(store)
         self._serving = records.SERVING.writer(store)
         self._sessions = store.writer(records.SESSIONS.name)
-        main, session = (socket.socket(fileno=os.dup(attachment.handed.sockets[name])) for name in ("main", "session"))
+        main, session = (adopted(attachment.handed.sockets[name]) for name in ("main", "session"))
         order = random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
         self._udp = UdpServer(main, session, self._restored(settings), self._clock, order)
         self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)

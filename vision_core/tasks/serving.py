@@ -89,6 +89,5 @@ class SceneMaker:
     def _directions(self, rays: int) -> Floats:
         """Evenly spaced rays over the circle [deg]."""
         if rays not in self._rays:
-            directions: Floats = np.arange(rays) * (360.0 / rays)
-            self._rays[rays] = frozen(directions)
+            self._rays[rays] = frozen(np.linspace(0.0, 360.0, rays, endpoint=False))
         return self._rays[rays]
