@@ -80,7 +80,9 @@ def _results(reports: list[dict[str, Any]], lateness: list[float], status: dict[
         rows.append({"name": f"{name}: wrong form", "value": len(report["wrong"]), "unit": ""})
         rows.append({"name": f"{name}: Time increases", "value": report["increasing"], "unit": ""})
     late = sorted(lateness)
-    rows.append({"name": "sleeper 1 ms: p99 lateness", "value": round(late[int(0.99 * len(late))] * 1e3, 2), "unit": "ms"})
+    rows.append(
+        {"name": "sleeper 1 ms: p99 lateness", "value": round(late[int(0.99 * len(late))] * 1e3, 2), "unit": "ms"}
+    )
     rows.append({"name": "sleeper 1 ms: max lateness", "value": round(late[-1] * 1e3, 2), "unit": "ms"})
     stalls = sum(value > LATE_SLEEP_S for value in late)
     rows.append({"name": "sleeper 1 ms: over 10 ms late", "value": stalls, "unit": "times"})

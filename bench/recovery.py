@@ -7,10 +7,9 @@ import os
 import signal
 import threading
 import time
-from pathlib import Path
 from typing import Any
 
-from bench.service import RunningService, running_service
+from bench.service import RunningService, is_alive, running_service
 from vision_core.client.connection import Connection, connect
 
 PATIENCE_S = 20.0
@@ -30,7 +29,7 @@ def run(rounds: int = 3) -> list[dict[str, Any]]:
         pids = [*service.pids().values(), service.process.pid]
         service.process.kill()
         time.sleep(1.0)
-        left = sum(_is_alive(pid) for pid in pids)
+        left = sum(is_alive(pid) for pid in pids)
         rows.append({"name": "processes left 1 s after the supervisor's kill -9", "value": left, "unit": ""})
     return rows
 
@@ -80,10 +79,3 @@ def _kill(service: RunningService, listener: Listener, name: str) -> tuple[float
     back = time.monotonic() - began
     time.sleep(0.5)
     return back, listener.longest
-
-
-def _is_alive(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
-        return False

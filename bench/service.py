@@ -74,6 +74,14 @@ def running_service(*options: str, data_folder: Path | None = None) -> Iterator[
                 process.wait()
 
 
+def is_alive(pid: int) -> bool:
+    """Does a process run? One that has ended and waits for its parent does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
 def _ready(process: subprocess.Popen[str], log: Any, began: float) -> RunningService:
     """Wait until the service says that it is ready."""
     while time.monotonic() - began < START_PATIENCE_S:

@@ -8,11 +8,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
+from bench.service import is_alive
 from tests.conftest import ROOT
 
 Table = dict[str, dict[str, Any]]
@@ -66,13 +66,6 @@ def service(*names: str) -> Iterator[Service]:
         yield started
     finally:
         started.close()
-
-
-def is_alive(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 def all_gone(pids: list[int], patience_s: float = 5.0) -> bool:

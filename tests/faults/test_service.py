@@ -1,0 +1,181 @@
+"""The real service through its front door: start, clients, killed processes, bad input, stop."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from bench.service import RunningService, is_alive, running_service
+from tests.conftest import ROOT
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+PAPER_CLIENT = ROOT / "bench" / "paper_client.py"
+PATIENCE_S = 30.0
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[RunningService]:
+    with running_service() as started:
+        yield started
+
+
+def listener(service: RunningService, team: str, number: int) -> tuple[socket.socket, tuple[str, int]]:
+    """A connected client: its socket and the address that serves it."""
+    client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    client.settimeout(PATIENCE_S)
+    client.sendto(f"(init {team} {number})".encode(), ("127.0.0.1", service.udp_port))
+    reply, server = client.recvfrom(4096)
+    assert reply == f"(init {team} {number} play_on)".encode()
+    return client, server
+
+
+def time_of(message: bytes) -> float:
+    assert message.startswith(b"(see "), message
+    return float(message.split()[1])
+
+
+def test_it_is_healthy_ready_and_says_what_it_is(service: RunningService) -> None:
+    assert service.get("/healthz")[0] == 200
+    assert service.get("/readyz")[0] == 200
+    code, status = service.get("/api/v1/status")
+    assert code == 200
+    assert status["ready"] is True
+    assert status["reasons"] == []
+    assert {"version", "source", "cameras", "clients", "processes"} <= status.keys()
+    running = {row["name"]: row["state"] for row in status["processes"]}
+    assert running == {
+        "compile": "done",
+        "capture": "running",
+        "perceive": "running",
+        "serve": "running",
+        "web": "running",
+    }
+
+
+def test_ten_clients_from_the_papers_text(service: RunningService) -> None:
+    robots = [(team, str(number)) for team in ("blue", "yellow") for number in range(1, 6)]
+    command = [sys.executable, str(PAPER_CLIENT)]
+    clients = [
+        subprocess.Popen([*command, *robot, "3", "127.0.0.1", str(service.udp_port)], stdout=subprocess.PIPE, text=True)
+        for robot in robots
+    ]
+    for client, (team, number) in zip(clients, robots, strict=True):
+        report = json.loads(client.communicate(timeout=PATIENCE_S)[0])
+        assert report["init"] == f"(init {team} {number} play_on)"
+        assert report["wrong"] == []
+        assert report["increasing"]
+        assert report["messages"] > 10
+
+
+@pytest.mark.parametrize("name", ["capture", "perceive", "serve", "web"])
+def test_a_killed_process_comes_back_and_sessions_go_on(service: RunningService, name: str) -> None:
+    client, server = listener(service, "blue", 1)
+    with client:
+        client.recv(4096)
+        others = service.pids()
+        victim = others.pop(name)
+        os.kill(victim, signal.SIGKILL)
+        deadline = time.monotonic() + PATIENCE_S
+        last = 0.0
+        back = False
+        while not back:
+            assert time.monotonic() < deadline, f"{name} did not come back"
+            message, sender = client.recvfrom(4096)
+            assert sender == server
+            assert time_of(message) > last
+            last = time_of(message)
+            try:
+                back = service.pids().get(name, victim) != victim and service.get("/readyz")[0] == 200
+            except OSError:  # the page itself was killed
+                continue
+        for _ in range(30):
+            assert time_of(client.recv(4096)) > last
+        assert {key: pid for key, pid in service.pids().items() if key != name} == others
+        client.sendto(b"(bye)", server)
+
+
+def test_malformed_datagrams_hurt_nobody(service: RunningService) -> None:
+    client, server = listener(service, "yellow", 5)
+    garbage = [b"", b"\0", b"(" * 10_000, b")", b"(init", b"(init blue 99999999999999999999)", b"\xff" * 60_000]
+    with client, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        for datagram in garbage:
+            for port in (service.udp_port, server[1]):
+                stranger.sendto(datagram, ("127.0.0.1", port))
+        last = 0.0
+        for _ in range(20):
+            now = time_of(client.recv(4096))
+            assert now > last
+            last = now
+        client.sendto(b"(bye)", server)
+    assert service.get("/readyz")[0] == 200
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stop_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
+    (tmp_path / "jit").symlink_to(ROOT / ".pslv" / "jit")
+    before = set(Path("/dev/shm").iterdir())
+    with running_service(data_folder=tmp_path) as started:
+        pids = list(started.pids().values())
+        assert started.stop(number) == 0
+    assert not [pid for pid in pids if is_alive(pid)]
+    assert set(Path("/dev/shm").iterdir()) <= before
+    assert {path.name for path in tmp_path.iterdir()} == {"jit"}
+
+
+def test_a_killed_supervisor_leaves_no_process() -> None:
+    with running_service() as started:
+        pids = list(started.pids().values())
+        started.process.kill()
+        started.process.wait()
+        deadline = time.monotonic() + 5.0
+        while any(is_alive(pid) for pid in pids) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert not [pid for pid in pids if is_alive(pid)]
+
+
+def refused(*options: str) -> str:
+    """Start with bad options; returns what was said. It must end with status 2 and start nothing."""
+    command = [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options]
+    result = subprocess.run(
+        command,
+        check=False,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        env=os.environ | {"COLUMNS": "400"},
+    )
+    assert result.returncode == 2, result
+    assert "Traceback" not in result.stderr
+    assert "page http" not in result.stderr
+    return result.stderr
+
+
+def test_ports_in_use_are_named(service: RunningService) -> None:
+    http = service.http.rsplit(":", 1)[1]
+    assert f"TCP port {http}" in refused("--port", http)
+    assert str(service.udp_port) in refused("--udp-port", str(service.udp_port))
+
+
+def test_bad_sources_are_named(tmp_path: Path) -> None:
+    empty = tmp_path / "empty.png"
+    empty.touch()
+    assert "accepted: synthetic" in refused("--source", "telepathy:0")
+    assert str(empty) in refused("--source", f"file:{empty}")
+    assert "nowhere.png" in refused("--source", "file:nowhere.png")
+    assert "camera" in refused("--source", "camera:/dev/no-such-camera")
+
+
+def test_bad_settings_are_named(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text("[camera]\nrate = 30\n")
+    said = refused("--venue", str(venue))
+    assert f"{venue}: camera.rate; found: no setting of this name (did you mean rate_hz?)" in said
+    assert "found: 99999; accepted: int <= 65535" in refused("--port", "99999")
