@@ -112,11 +112,11 @@ def _polar(scale: float, clockwise: bool) -> tuple[Floats, Floats]:
 def _floor_table(mirror: Mirror) -> Floats:
     """The floor's color at each R, in tenths of a pixel."""
     steps = np.arange(math.ceil(mirror.horizon_px) * 10 + 1) / 10.0
-    table = np.tile(np.array(FLOOR), (len(steps), 1))
+    table = np.tile(np.array(FLOOR, dtype=np.float64), (len(steps), 1))
     ring = 1
     while (at := mirror.px_from_mm(ring * RING_MM)) - mirror.px_from_mm((ring - 1) * RING_MM) > RING_APART_PX:
         share = np.clip(1.2 - np.abs(steps - at), 0.0, 1.0)[:, None]
-        table += share * (np.array(RING) - FLOOR)
+        table += share * (np.array(RING) - np.array(FLOOR))
         ring += 1
     return table
 
