@@ -137,9 +137,9 @@ def ray_indices(options: Options, rays: int) -> NDArray[np.intp] | None:
 
 
 @lru_cache(maxsize=64)
-def directions_deg(options: Options) -> Floats:
-    """The directions in the client's sense, 0 <= d < 360 [deg], shape (n,)."""
-    steps = np.arange(options.directions, dtype=np.float64)
+def directions_deg(options: Options, count: int) -> Floats:
+    """The first directions in the client's sense, 0 <= d < 360 [deg], shape (count,)."""
+    steps = np.arange(count, dtype=np.float64)
     return frozen(np.mod(options.first_deg + options.resolution_deg * steps, 360.0))
 
 

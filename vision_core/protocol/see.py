@@ -18,7 +18,11 @@ NOTHING_PX = 255
 """``ff``: nothing within range."""
 NS_PER_US = 1000
 
-_HEX = np.frombuffer("".join(f"{value:02x}" for value in range(256)).encode(), dtype=np.uint8).reshape(256, 2)
+FARTHEST_M = 1e6
+"""As good as infinitely far, and still a number."""
+
+_PADDED_HEX = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).encode(), dtype="<u4")
+"""A distance's two characters where they stand in an edge, with room for the type before them."""
 
 
 def see_from_view(
@@ -35,20 +39,19 @@ def see_from_view(
     chosen = ray_indices(options, len(kinds))
     if chosen is not None:
         px, kinds = px[chosen], kinds[chosen]
-    edges = np.empty((len(px), 3), dtype=np.uint8)
-    edges[:, 0] = letters_by_kind(letters, options.types)[kinds]
-    edges[:, 1:] = _HEX[px]
-    edges[px == NOTHING_PX, 0] = ord(letters.nothing)
+    letter_of_kind = letters_by_kind(letters, options.types)
+    types = np.where(px == NOTHING_PX, letter_of_kind[EdgeKind.NOTHING], letter_of_kind.take(kinds))
+    edges = (_PADDED_HEX.take(px) | types).view(np.uint8).reshape(-1, 4)[:, :3]
     see = See((view.at - boot) // NS_PER_US, edges.tobytes(), ball_from_view(view.ball, options, own))
     return encode_see(see, options.time) + (b"\0" if nul else b"")
 
 
 def edge_px(view: RobotView, mirror: Mirror) -> Bytes:
     """int(f^-1(r)) of every ray, at most 254; 255 for nothing; shape (n,)."""
-    seen = (view.kinds != EdgeKind.NOTHING) & (view.distances_m < math.inf)
-    distances_mm: Floats = np.where(seen, view.distances_m, 0.0) * MM_PER_M
-    px = np.minimum(mirror.px_from_mm(distances_mm), LARGEST_PX)
-    return np.where(seen, px, NOTHING_PX).astype(np.uint8)
+    far_mm: Floats = np.minimum(view.distances_m, FARTHEST_M) * MM_PER_M
+    px = np.minimum(mirror.px_from_mm(far_mm), LARGEST_PX).astype(np.uint8)
+    px[(view.kinds == EdgeKind.NOTHING) | (view.distances_m == math.inf)] = NOTHING_PX
+    return px
 
 
 def ball_from_view(ball: BallView | None, options: Options, mirror: Mirror) -> Ball:

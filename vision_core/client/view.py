@@ -1,0 +1,71 @@
+"""A ``see`` as arrays."""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.geometry import Floats, frozen
+from vision_core.mirror_model import Mirror
+from vision_core.protocol.messages import Ball, See
+from vision_core.protocol.options import Options, directions_deg
+
+NOTHING_PX = 0xFF
+HALF_PX = 0.5
+"""The server cut the true distance down to a whole pixel: its expectation lies half a pixel farther."""
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What the robot sees at one instant; arrays are read-only, one place per direction."""
+
+    time_s: float
+    """Grab of the image, since the server's start."""
+    letters: NDArray[np.str_]
+    """Type of the nearest edge, one character each, shape (n,). Unknown ones are kept."""
+    px: NDArray[np.int16]
+    """Its distance in the mirror's image [px], -1 for nothing within range, shape (n,)."""
+    mm: Floats
+    """Its distance on the floor [mm], inf for nothing, shape (n,)."""
+    directions_deg: Floats
+    """From the robot's heading, in the sense that was asked for, 0 <= d < 360, shape (n,)."""
+    ball: Ball
+    ball_mm: float
+    """inf when it is hidden."""
+
+
+def view_from_see(see: See, options: Options, mirror: Mirror) -> View:
+    """Decode the edges. options: what the session asked for; mirror: the one that the server looks through."""
+    characters = np.frombuffer(see.edges, dtype=np.uint8).reshape(-1, 3)
+    digits = _digit_values()[characters[:, 1:]]
+    px = (digits[:, 0] * 16 + digits[:, 1]).astype(np.int16)
+    px[px == NOTHING_PX] = -1
+    px.setflags(write=False)
+    letters = characters[:, 0].astype(np.uint32).view("U1")
+    letters.setflags(write=False)
+    return View(
+        time_s=see.time_s,
+        letters=letters,
+        px=px,
+        mm=_distances_mm(mirror)[px],
+        directions_deg=directions_deg(options, len(px)),
+        ball=see.ball,
+        ball_mm=math.inf if see.ball.hidden else mirror.mm_from_px(see.ball.px + HALF_PX),
+    )
+
+
+@lru_cache(maxsize=1)
+def _digit_values() -> NDArray[np.uint8]:
+    """Value of each hexadecimal digit by its character, shape (256,)."""
+    values = np.zeros(256, dtype=np.uint8)
+    for value, digit in enumerate("0123456789abcdef"):
+        values[[ord(digit), ord(digit.upper())]] = value
+    return values
+
+
+@lru_cache(maxsize=8)
+def _distances_mm(mirror: Mirror) -> Floats:
+    """Distance of each pixel 0..254, and inf in the last place, where -1 finds it."""
+    return frozen(np.append(mirror.mm_from_px(np.arange(NOTHING_PX, dtype=np.float64) + HALF_PX), math.inf))
