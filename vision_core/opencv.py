@@ -63,7 +63,7 @@ def draw_line(image: Bytes, start_px: Point, end_px: Point, bgr: Color, thicknes
 def draw_text(image: Bytes, text: str, left_bottom_px: Point, bgr: Color, scale: float = 0.5) -> None:
     """Write one line of ASCII into a picture, dark rimmed, readable on any ground."""
     place = (round(left_bottom_px[0]), round(left_bottom_px[1]))
-    for color, thickness in (((0, 0, 0), 4), (bgr, 1)):
+    for color, thickness in (((0, 0, 0), 3), (bgr, 1)):
         cv2.putText(image, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, color, thickness, cv2.LINE_AA)
 
 

@@ -125,14 +125,15 @@ def _fit(center: Floats, dots: Floats, slots: Floats, tolerance: float, row: Flo
     c, s = math.cos(row[HEADING]), math.sin(row[HEADING])
     row[X] = mean_x - c * model_x + s * model_y
     row[Y] = mean_y - s * model_x - c * model_y
-    return _misfit(center, dots, slots, tolerance, row) / number
+    misfit: float = _misfit(center, dots, slots, tolerance, row) / number
+    return misfit
 
 
 @kernel
 def _misfit(center: Floats, dots: Floats, slots: Floats, tolerance: float, row: Floats) -> float:
     """Sum of squared residuals in squared tolerances; inf when one alone exceeds its tolerance."""
     c, s = math.cos(row[HEADING]), math.sin(row[HEADING])
-    total = ((center[0] - row[X]) ** 2 + (center[1] - row[Y]) ** 2) / tolerance**2
+    total: float = ((center[0] - row[X]) ** 2 + (center[1] - row[Y]) ** 2) / tolerance**2
     for slot in range(len(slots)):
         dot = int(row[FIRST_DOT + slot])
         if dot >= 0:
@@ -149,4 +150,5 @@ def _mean_likeness(center: float, dots: Floats, row: Floats) -> float:
     for place in row[FIRST_DOT:]:
         if place >= 0:
             total += dots[int(place)]
-    return total / (1.0 + row[MATCHED])
+    mean: float = total / (1.0 + row[MATCHED])
+    return mean

@@ -50,7 +50,7 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
 
 
 def _as_table(seen: Sightings) -> dict[str, object]:
-    parts = {"robots": seen.robots, "balls": seen.balls, "reasons": seen.reasons}
+    parts = {"robots": list(seen.robots), "balls": list(seen.balls), "reasons": list(seen.reasons)}
     table: dict[str, object] = msgspec.to_builtins(parts)
     return table
 

@@ -1,0 +1,97 @@
+"""Small pictures of markers and balls, drawn through a camera model, for the tests of this folder."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vision_core.blobs.run_lengths import Segmenter
+from vision_core.camera_model import CameraModel, PinholeCamera
+from vision_core.color.lookup_table import compile_color_table
+from vision_core.geometry import Bytes, Floats, rotation
+from vision_core.objects.patterns import Marker, marker_from
+from vision_core.pattern_files import load_pattern
+from vision_core.settings import Settings
+from vision_core.settings_files import load_settings
+from vision_core.types.blobs import Blobs
+
+Color = tuple[int, int, int]
+
+PAINTS: dict[str, Color] = {
+    "carpet": (50, 95, 45),
+    "body": (40, 40, 40),
+    "blue": (210, 100, 30),
+    "yellow": (40, 200, 230),
+    "pink": (190, 90, 235),
+    "green": (90, 220, 80),
+    "orange": (30, 110, 240),
+}
+
+SETTINGS: Settings = load_settings()
+TABLE = compile_color_table(SETTINGS.colors)
+MARKER: Marker = marker_from(load_pattern(SETTINGS.robots.pattern))
+CODES = load_pattern(SETTINGS.robots.pattern).code_by_id
+COLORS_BY_INITIAL = {"G": "green", "P": "pink"}
+
+SUBPIXELS = 4
+
+
+def overhead_camera(metres_per_pixel: float, width: int, height: int) -> CameraModel:
+    """A camera 3.5 m up, slightly tilted and turned, its picture's center near the field's."""
+    return PinholeCamera(
+        3.5 / metres_per_pixel, (width / 2, height / 2), (0, 0, 0, 0, 0), (0.1, 0.05, 3.5), (2, -1, 20)
+    )
+
+
+@dataclass
+class Picture:
+    """A picture of a piece of carpet, into which things are painted in any order that hides rightly."""
+
+    camera: CameraModel
+    width: int
+    height: int
+    pixels: Floats = field(init=False)
+    _samples: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.pixels = np.full((self.height, self.width, 3), PAINTS["carpet"], dtype=np.float64)
+        steps = (np.arange(SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
+        y, x, v, u = np.meshgrid(
+            np.arange(self.height), np.arange(self.width), steps, steps, indexing="ij", sparse=False
+        )
+        self._samples = np.column_stack([(x + u).ravel(), (y + v).ravel()])
+
+    def paint_disc(self, paint: str, x_m: float, y_m: float, radius_m: float, height_m: float) -> None:
+        """A disc in the plane of a height, its rim blended by what it covers of a pixel."""
+        places = self.camera.field_from_pixel(self._samples, height_m)
+        covered = np.hypot(places[:, 0] - x_m, places[:, 1] - y_m) <= radius_m
+        share = covered.reshape(self.height, self.width, -1).mean(axis=2)[..., None]
+        self.pixels += share * (np.array(PAINTS[paint]) - self.pixels)
+
+    def paint_robot(self, team: str, code: str, x_m: float, y_m: float, heading_rad: float) -> None:
+        """A robot's top with its marker; "-" in the code leaves a dot away."""
+        height = SETTINGS.robots.height_m
+        self.paint_disc("body", x_m, y_m, SETTINGS.robots.radius_m, height)
+        self.paint_disc(team, x_m, y_m, 0.025, height)
+        for letter, slot in zip(code, MARKER.slots_m, strict=True):
+            if letter != "-":
+                u, v = rotation(heading_rad) @ slot
+                self.paint_disc(COLORS_BY_INITIAL[letter], x_m + u, y_m + v, 0.02, height)
+
+    def paint_ball(self, x_m: float, y_m: float) -> None:
+        radius = SETTINGS.ball.radius_m
+        self.paint_disc("orange", x_m, y_m, radius, radius)
+
+    def as_bytes(self, noise: float = 2.0, seed: int = 1) -> Bytes:
+        """What the camera delivers."""
+        noisy = self.pixels + np.random.default_rng(seed).normal(0.0, noise, self.pixels.shape)
+        return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+
+    def blobs(self, noise: float = 2.0, seed: int = 1) -> Blobs:
+        return Segmenter(self.width, self.height, SETTINGS.blobs).segment(self.as_bytes(noise, seed), TABLE)
+
+
+def turn_between(one_rad: float | None, other_rad: float) -> float:
+    """How far apart two headings are [rad]."""
+    assert one_rad is not None
+    return abs(math.remainder(one_rad - other_rad, math.tau))

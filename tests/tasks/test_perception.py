@@ -1,0 +1,82 @@
+"""The stages composed, on drawn pictures of the default camera's size."""
+
+import math
+
+import msgspec
+import numpy as np
+import pytest
+
+from tests.objects.drawing import CODES, PAINTS, SETTINGS, Picture, turn_between
+from vision_core.clock import Instant, ManualClock
+from vision_core.errors import SettingsError
+from vision_core.geometry import Bytes
+from vision_core.settings_models import camera_model_from
+from vision_core.tasks.perception import Perception
+from vision_core.types.image import ImageFrame
+
+CORNER = (420, 40)
+"""Where in the frame the drawn piece lies: off axis, where parallax and distortion count [px]."""
+
+
+@pytest.fixture(scope="module")
+def perception() -> Perception:
+    perception = Perception(SETTINGS)
+    perception.warm_up()
+    return perception
+
+
+class CutCamera:
+    """The default camera, its picture's origin moved to the corner of a piece."""
+
+    def __init__(self) -> None:
+        self.whole = camera_model_from(SETTINGS)
+
+    def field_from_pixel(self, pixels: np.ndarray, height_m: float = 0.0) -> np.ndarray:
+        return self.whole.field_from_pixel(pixels + CORNER, height_m)
+
+
+def frame_of(piece: Picture) -> ImageFrame:
+    size = (SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3)
+    pixels: Bytes = np.full(size, PAINTS["carpet"], dtype=np.uint8)
+    x, y = CORNER
+    pixels[y : y + piece.height, x : x + piece.width] = piece.as_bytes()
+    pixels.setflags(write=False)
+    return ImageFrame("main", 7, Instant(123), pixels)
+
+
+def test_a_frame_becomes_sightings(perception: Perception) -> None:
+    piece = Picture(CutCamera(), 130, 90)  # type: ignore[arg-type]
+    x, y = piece.camera.field_from_pixel(np.array([[45.0, 45.0]]), SETTINGS.robots.height_m)[0].tolist()
+    piece.paint_robot("yellow", CODES[11], x, y, 2.2)
+    piece.paint_ball(x + 0.2, y)
+    seen = perception.perceive(frame_of(piece), ManualClock(Instant(456)))
+    (robot,), (ball,) = seen.robots, seen.balls
+    assert (robot.team, robot.id) == ("yellow", 11)
+    assert turn_between(robot.heading_rad, 2.2) < math.radians(2.0)
+    assert math.dist((robot.x_m, robot.y_m), (x, y)) < 0.002
+    assert math.dist((robot.x_px, robot.y_px), (45 + CORNER[0], 45 + CORNER[1])) < 0.4
+    assert math.dist((ball.x_m, ball.y_m), (x + 0.2, y)) < 0.002
+    assert (seen.camera, seen.frame_number, seen.grabbed, seen.perceived) == ("main", 7, 123, 456)
+    assert seen.reasons == ()
+
+
+def test_an_empty_field_says_why(perception: Perception) -> None:
+    seen = perception.perceive(frame_of(Picture(CutCamera(), 20, 20)), ManualClock())  # type: ignore[arg-type]
+    assert (seen.robots, seen.balls) == ((), ())
+    assert seen.reasons == ("no robot: no blob of a team's color", "no ball: no orange blob")
+
+
+def test_overflow_is_said() -> None:
+    blobs = msgspec.structs.replace(SETTINGS.blobs, max_runs=100)
+    perception = Perception(msgspec.structs.replace(SETTINGS, blobs=blobs))
+    size = (SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3)
+    flood = np.full(size, PAINTS["orange"], dtype=np.uint8)
+    seen = perception.perceive(ImageFrame("main", 1, Instant(0), flood), ManualClock())
+    assert "too many blobs" in seen.reasons[0]
+
+
+def test_a_pattern_without_its_color_classes_is_refused() -> None:
+    classes = {name: boxes for name, boxes in SETTINGS.colors.classes.items() if name != "pink"}
+    colors = msgspec.structs.replace(SETTINGS.colors, classes=classes)
+    with pytest.raises(SettingsError, match=r"dot_colors; found: pink; accepted: .*green"):
+        Perception(msgspec.structs.replace(SETTINGS, colors=colors))
