@@ -5,6 +5,7 @@ machine did. A frame is skipped by our own fault when its interval is longer tha
 sleeper slept well.
 """
 
+import itertools
 import json
 import subprocess
 import sys
@@ -72,7 +73,7 @@ class Sleeper:
 def _results(reports: list[dict[str, Any]], lateness: list[float], status: dict[str, Any]) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for report in reports:
-        gaps = [later - earlier for earlier, later in zip(report["times"], report["times"][1:], strict=False)]
+        gaps = [later - earlier for earlier, later in itertools.pairwise(report["times"])]
         skipped = sum(round(gap / PERIOD_S) - 1 for gap in gaps if gap > 1.5 * PERIOD_S)
         name = f"{report['team']} {report['number']}"
         rows.append({"name": f"{name}: messages", "value": round(report["per_second"], 2), "unit": "1/s"})
@@ -86,7 +87,6 @@ def _results(reports: list[dict[str, Any]], lateness: list[float], status: dict[
     rows.append({"name": "sleeper 1 ms: max lateness", "value": round(late[-1] * 1e3, 2), "unit": "ms"})
     stalls = sum(value > LATE_SLEEP_S for value in late)
     rows.append({"name": "sleeper 1 ms: over 10 ms late", "value": stalls, "unit": "times"})
-    for key in ("lag_median_ms", "lag_max_ms"):
-        if key in status:
-            rows.append({"name": f"server {key}", "value": round(status[key], 2), "unit": "ms"})
+    lags = {key: status[key] for key in ("lag_median_ms", "lag_max_ms")}
+    rows += [{"name": f"server {key}", "value": round(value, 2), "unit": "ms"} for key, value in lags.items()]
     return rows

@@ -6,6 +6,7 @@ Sends ``(init TEAM NUMBER)``, reads ``see`` messages for some seconds, checks ea
 and prints one line of JSON. It imports nothing of PSLV and is told nothing that the paper does not say.
 """
 
+import itertools
 import json
 import re
 import socket
@@ -43,7 +44,7 @@ def main(team: str, number: int, seconds: float, host: str = "127.0.0.1", port: 
         arrivals.append(now)
         hidden += found[3] == "-1"
     client.sendto(b"(bye)", server)
-    gaps = [later - earlier for earlier, later in zip(times, times[1:], strict=False)]
+    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
     print(
         json.dumps(
             {
