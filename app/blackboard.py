@@ -1,0 +1,115 @@
+"""Everything the web part knows: the records of the real-time database, read together at one instant."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision_core.clock import Instant, MonotonicClock, seconds_between
+from vision_core.geometry import Bytes
+from vision_core.rtdb import records
+from vision_core.rtdb.records import ItemReader, Processes, ServiceInfo, Serving, SourceInfo, TaskInfo, Timed, Views
+from vision_core.rtdb.slots import READ_TRIES
+from vision_core.rtdb.store import Store
+from vision_core.types.objects import Sightings
+from vision_core.types.tracks import World
+
+TASK_PREFIX = "task/"
+
+
+@dataclass(frozen=True, slots=True)
+class FrameStamp:
+    """The newest image, without its pixels."""
+
+    number: int
+    grabbed: Instant
+    age_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """The newest image, copied."""
+
+    number: int
+    grabbed: Instant
+    pixels: Bytes
+    """Shape (height, width, 3), blue green red."""
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """All records at one instant; None for a record that was never written."""
+
+    now: Instant
+    service: ServiceInfo
+    processes: Timed[Processes] | None
+    frame: FrameStamp | None
+    source: Timed[SourceInfo] | None
+    sightings: Timed[Sightings] | None
+    world: Timed[World] | None
+    views: Timed[Views] | None
+    serving: Timed[Serving] | None
+    tasks: dict[str, Timed[TaskInfo]]
+    """By name of the process; one that has never written is not in it."""
+
+
+class Blackboard:
+    """Reads the database. Raises LookupError when the supervisor has not written its first record."""
+
+    def __init__(self, store: Store) -> None:
+        self._clock = MonotonicClock()
+        self.service = records.SERVICE.reader(store).value(self._clock.now())
+        camera = self.service.settings.camera
+        self._shape = (camera.height_px, camera.width_px, 3)
+        self._frames = store.reader(f"frames/{camera.name}")
+        self._processes = records.PROCESSES.reader(store)
+        self._source = records.source(camera.name).reader(store)
+        self._sightings = records.sightings(camera.name).reader(store)
+        self._world = records.WORLD.reader(store)
+        self._views = records.VIEWS.reader(store)
+        self._serving = records.SERVING.reader(store)
+        names = [name.removeprefix(TASK_PREFIX) for name in store.specs if name.startswith(TASK_PREFIX)]
+        self._tasks: dict[str, ItemReader[TaskInfo]] = {name: records.task(name).reader(store) for name in names}
+
+    def now(self) -> Instant:
+        """The present instant."""
+        return self._clock.now()
+
+    def read(self) -> Readings:
+        """Every record, now."""
+        now = self.now()
+        glance = self._frames.glance()
+        tasks = {name: reader.read(now) for name, reader in self._tasks.items()}
+        return Readings(
+            now=now,
+            service=self.service,
+            processes=self._processes.read(now),
+            frame=glance and FrameStamp(glance.sequence, glance.measured, seconds_between(glance.measured, now)),
+            source=self._source.read(now),
+            sightings=self._sightings.read(now),
+            world=self._world.read(now),
+            views=self._views.read(now),
+            serving=self._serving.read(now),
+            tasks={name: timed for name, timed in tasks.items() if timed is not None},
+        )
+
+    def picture(self) -> Picture | None:
+        """The newest image; None before the first, or when the camera overtook every try to copy one."""
+        for _ in range(READ_TRIES):
+            glance = self._frames.glance()
+            if glance is None:
+                continue
+            pixels = np.frombuffer(glance.payload, dtype=np.uint8).copy()
+            if self._frames.holds(glance):
+                return Picture(glance.sequence, glance.measured, pixels.reshape(self._shape))
+        return None
+
+    @property
+    def picture_number(self) -> int:
+        """Number of the newest image; 0 before the first."""
+        return self._frames.sequence
+
+    @property
+    def sequences(self) -> tuple[int, ...]:
+        """Changes whenever a record was written."""
+        readers = (self._processes, self._sightings, self._world, self._views, self._serving, *self._tasks.values())
+        return tuple(reader.sequence for reader in readers)

@@ -1,0 +1,146 @@
+"""The field as the page draws it: on the floor, in the picture, and in the mirror's pixels."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from app.reports import Report
+from vision_core.camera_model import CameraModel
+from vision_core.field_model import Line, field_lines, field_segments
+from vision_core.geometry import Floats
+from vision_core.mirror_model import LARGEST_PX
+from vision_core.rtdb.records import ServiceInfo
+from vision_core.settings import Settings
+from vision_core.settings_models import camera_model_from, mirror_from
+from vision_core.types.field import Arc, EdgeKind
+from vision_core.types.objects import RobotSighting
+
+MM_PER_M = 1000.0
+STEPS = 24
+"""Pieces of a line or circle in the picture, where lenses bend them."""
+
+Points = list[tuple[float, float]]
+
+
+class FieldSegment(Report):
+    """A straight piece of what makes edges [m]."""
+
+    x1_m: float
+    y1_m: float
+    x2_m: float
+    y2_m: float
+    kind: int
+    """A code of ``kinds``."""
+    solid: bool
+    """Solid things hide what is behind them; virtual limits are edges but hide nothing."""
+
+
+class FieldArc(Report):
+    """A painted arc, anticlockwise from start to end."""
+
+    x_m: float
+    y_m: float
+    radius_m: float
+    start_rad: float
+    end_rad: float
+
+
+class Field(Report):
+    """Everything about the field that stays the same while the service runs.
+
+    Field space: origin at the field's center, x along its length, y along its width, z up [m].
+    """
+
+    name: str
+    length_m: float
+    width_m: float
+    line_width_m: float
+    segments: list[FieldSegment]
+    lines: list[tuple[float, float, float, float]]
+    """Painted lines: x1, y1, x2, y2 of their middles [m]."""
+    arcs: list[FieldArc]
+    robot_radius_m: float
+    ball_radius_m: float
+    numbers: int
+    """Robots per team that may connect."""
+    marker_ids: dict[str, list[int]]
+    """By team: the marker that number 1, 2, ... wears."""
+    kinds: dict[str, int]
+    """What an edge can be; a robot's code is its team's plus its number, 0 for one without."""
+    mirror_m: list[float | None]
+    """Distance on the floor of 0, 1, 2, ... mirror pixels [m]; null beyond the horizon."""
+    painted_px: list[list[tuple[float, float]]]
+    """The painted lines and arcs as the camera model sees them in the picture [px]."""
+
+
+def field_from(service: ServiceInfo) -> Field:
+    """The field of a running service."""
+    settings = service.settings
+    field = settings.field
+    lines, arcs = field_lines(field)
+    camera = camera_model_from(settings)
+    return Field(
+        name=field.name,
+        length_m=field.length_m,
+        width_m=field.width_m,
+        line_width_m=field.line_width_m,
+        segments=[
+            FieldSegment(x1_m=s.x1_m, y1_m=s.y1_m, x2_m=s.x2_m, y2_m=s.y2_m, kind=s.kind, solid=s.solid)
+            for s in field_segments(field, settings.match.blue_defends)
+        ],
+        lines=list(lines),
+        arcs=[
+            FieldArc(x_m=a.x_m, y_m=a.y_m, radius_m=a.radius_m, start_rad=a.start_rad, end_rad=a.end_rad) for a in arcs
+        ],
+        robot_radius_m=settings.robots.radius_m,
+        ball_radius_m=settings.ball.radius_m,
+        numbers=settings.match.numbers,
+        marker_ids={"blue": list(settings.match.blue_ids), "yellow": list(settings.match.yellow_ids)},
+        kinds={kind.name.lower(): int(kind) for kind in EdgeKind},
+        mirror_m=_mirror_table(settings),
+        painted_px=[_visible(_in_picture(camera, points)) for points in _painted(lines, arcs)],
+    )
+
+
+class Outlines:
+    """Draws robots into the picture: the circle of their radius at the height of their markers."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._camera = camera_model_from(settings)
+        self._robots = settings.robots
+        self._angles: Floats = np.arange(STEPS) * (math.tau / STEPS)
+
+    def of(self, robots: Sequence[RobotSighting]) -> list[Points]:
+        """Per robot STEPS points [px], the first one where its heading points to."""
+        if not robots:
+            return []
+        radius = self._robots.radius_m
+        circles = [_circle(r.x_m, r.y_m, radius, self._angles + (r.heading_rad or 0.0)) for r in robots]
+        points = _in_picture(self._camera, np.concatenate(circles), self._robots.height_m)
+        return [points[start : start + STEPS] for start in range(0, len(points), STEPS)]
+
+
+def _circle(x_m: float, y_m: float, radius_m: float, angles_rad: Floats) -> Floats:
+    return np.column_stack([x_m + radius_m * np.cos(angles_rad), y_m + radius_m * np.sin(angles_rad)])
+
+
+def _in_picture(camera: CameraModel, points_m: Floats, height_m: float = 0.0) -> Points:
+    """Points of the field in the picture, to a tenth of a pixel; nan where no camera sees."""
+    return [(x, y) for x, y in np.round(camera.pixel_from_field(points_m, height_m), 1).tolist()]
+
+
+def _visible(points_px: Points) -> Points:
+    return [(x, y) for x, y in points_px if math.isfinite(x)]
+
+
+def _painted(lines: Sequence[Line], arcs: Sequence[Arc]) -> list[Floats]:
+    """Points along everything that is painted [m]."""
+    along = [np.linspace(line[:2], line[2:], STEPS + 1) for line in lines]
+    around = [_circle(a.x_m, a.y_m, a.radius_m, np.linspace(a.start_rad, a.end_rad, 2 * STEPS)) for a in arcs]
+    return [*along, *around]
+
+
+def _mirror_table(settings: Settings) -> list[float | None]:
+    metres = mirror_from(settings).mm_from_px(np.arange(LARGEST_PX + 1, dtype=np.float64)) / MM_PER_M
+    return [round(value, 4) if math.isfinite(value) else None for value in metres.tolist()]

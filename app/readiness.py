@@ -1,0 +1,62 @@
+"""Is the service ready, and if not, why: one pure function of what was read.
+
+Readiness is a chain: kernels -> processes -> images -> sightings -> datagrams. The first broken link is
+the cause and what follows from it is not listed, so that a person reads one reason and not five.
+"""
+
+from app.blackboard import Readings
+from vision_core.rtdb.records import ProcessInfo
+
+COMPILER = "compile"
+LEAST_PATIENCE_S = 0.25
+PATIENCE_PERIODS = 3.0
+"""An image is old when this many have failed to come, and never before LEAST_PATIENCE_S."""
+
+
+def reasons_not_ready(readings: Readings) -> tuple[str, ...]:
+    """Why robots are not served right now, in words; empty when they are."""
+    if readings.processes is None:
+        return ("the supervisor has said nothing yet",)
+    if not readings.processes.valid:
+        return (f"the supervisor has been silent for {readings.processes.age_s:.1f} s",)
+    processes = readings.processes.value.processes
+    for process in processes:
+        if process.name == COMPILER and process.state != "done":
+            return (_compiling(process),)
+    broken = tuple(_broken(process) for process in processes if process.state not in ("running", "done"))
+    return broken or _silence(readings)
+
+
+def _compiling(process: ProcessInfo) -> str:
+    detail = f": {process.detail}" if process.detail else ""
+    return f"compiling failed{detail}" if process.state in ("disabled", "stopped") else f"compiling{detail}"
+
+
+def _broken(process: ProcessInfo) -> str:
+    detail = f": {process.detail}" if process.detail else ""
+    return f"process {process.name} is {process.state}{detail}"
+
+
+def _silence(readings: Readings) -> tuple[str, ...]:
+    """The first link of the chain that delivers nothing, while every process runs."""
+    patience_s = max(LEAST_PATIENCE_S, PATIENCE_PERIODS / readings.service.settings.camera.rate_hz)
+    if readings.frame is None:
+        return (f"no image yet{_note(readings, 'capture')}",)
+    if readings.frame.age_s > patience_s:
+        return (f"the camera's image is {readings.frame.age_s:.1f} s old{_note(readings, 'capture')}",)
+    if readings.sightings is None:
+        return (f"nothing was perceived yet{_note(readings, 'perceive')}",)
+    if readings.sightings.age_s > patience_s + LEAST_PATIENCE_S:
+        age_s = readings.sightings.age_s
+        return (f"nothing is perceived: the newest sightings are {age_s:.1f} s old{_note(readings, 'perceive')}",)
+    if readings.serving is None:
+        return (f"clients are not served yet{_note(readings, 'serve')}",)
+    if not readings.serving.valid:
+        return (f"clients have not been served for {readings.serving.age_s:.1f} s{_note(readings, 'serve')}",)
+    return ()
+
+
+def _note(readings: Readings, task: str) -> str:
+    """What the responsible process says about it."""
+    timed = readings.tasks.get(task)
+    return f" ({timed.value.note})" if timed is not None and timed.value.note else ""

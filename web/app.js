@@ -1,0 +1,132 @@
+// The page: one connection in, everything drawn from its newest turn.
+
+import { setText } from "./drawing.js";
+import { drawField, robotAt } from "./field.js";
+import { connect } from "./live.js";
+import { drawPicture } from "./picture.js";
+import { describeTile, drawTile, makeTiles } from "./polar.js";
+import { age, showStatus, showVerdict } from "./tables.js";
+
+const $ = (id) => document.getElementById(id);
+const STALE_AFTER_S = 0.5;
+const TABLES_EVERY_MS = 250;
+const DESCRIBE_EVERY_MS = 2000;
+const CLOCK_DRIFT = 1e-4;
+
+let field = null; // of /api/v1/field
+let tiles = [];
+let state = null; // newest turn
+let picture = null;
+let received = 0; // when the newest turn came [s of this page's clock]
+let ahead = -Infinity; // the service's clock minus this page's [s]; a late message can only make it too small
+let linked = false;
+let chosen = null;
+
+connect(onTurn, onLink);
+setInterval(showAges, 100);
+setInterval(showTables, TABLES_EVERY_MS);
+setInterval(describe, DESCRIBE_EVERY_MS);
+for (const id of ["show-robots", "show-ball", "show-lines"]) $(id).addEventListener("change", draw);
+new ResizeObserver(draw).observe($("field"));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+$("field").addEventListener("click", ({ offsetX, offsetY }) => {
+  if (field && state) choose(robotAt($("field"), field, state, offsetX, offsetY));
+});
+
+const seconds = () => performance.now() / 1000;
+
+function onTurn(newState, newPicture) {
+  ahead = Math.max(newState.now_s - seconds(), ahead - CLOCK_DRIFT * (seconds() - received));
+  received = seconds();
+  if (newPicture && newPicture !== picture) {
+    picture?.bitmap.close();
+    picture = newPicture;
+  }
+  const first = state === null;
+  state = newState;
+  draw();
+  if (first) showTables();
+}
+
+async function onLink(open, reason) {
+  linked = open;
+  if (open) {
+    ahead = -Infinity;
+    await loadField();
+  } else {
+    showVerdict("not-ready", "connection lost", [reason || "trying again"]);
+  }
+  showAges();
+}
+
+/** The service may have been started anew with other settings. */
+async function loadField() {
+  try {
+    const fresh = await (await fetch("/api/v1/field")).json();
+    if (JSON.stringify(fresh) === JSON.stringify(field)) return;
+    field = fresh;
+    tiles = makeTiles($("views"), field, choose);
+    draw();
+  } catch {
+    // the connection went again; the next one tries again
+  }
+}
+
+function choose(robot) {
+  const same = robot && chosen && robot.team === chosen.team && robot.number === chosen.number;
+  chosen = same ? null : robot;
+  setText($("selected"), chosen ? `What ${chosen.team} ${chosen.number} sees, as exactly as its mirror tells` : "Choose a robot to see what it sees.");
+  draw();
+}
+
+function draw() {
+  if (!field || !state) return;
+  const camera = state.status.cameras[0];
+  const show = { robots: $("show-robots").checked, ball: $("show-ball").checked, lines: $("show-lines").checked };
+  if (picture) drawPicture($("picture"), picture.bitmap, field, camera, state, show);
+  drawField($("field"), field, state, chosen);
+  for (const entry of tiles) drawTile(entry, field, viewOf(entry), clientOf(entry), isChosen(entry));
+}
+
+const viewOf = ({ team, number }) =>
+  state.views?.valid ? state.views.value.views.find((view) => view.team === team && view.number === number) : undefined;
+const clientOf = ({ team, number }) =>
+  state.status.clients.find((client) => client.team === team && client.number === number);
+const isChosen = ({ team, number }) => chosen !== null && chosen.team === team && chosen.number === number;
+
+function showTables() {
+  if (!state) return;
+  showStatus(state.status, state.pages);
+  if (linked) showVerdict(state.status.ready ? "ready" : "not-ready", state.status.ready ? "ready" : "not ready", state.status.reasons);
+  const { reasons } = state.status;
+  setText($("picture-empty"), reasons.length ? `No picture yet: ${reasons[0]}.` : "No picture yet.");
+  $("picture-empty").hidden = picture !== null;
+}
+
+/** Ages run on while nothing comes. */
+function showAges() {
+  if (!state) return;
+  const silent_s = seconds() - received;
+  const picture_s = picture ? seconds() + ahead - picture.grabbed_s : null;
+  setText($("picture-age"), picture_s === null ? "–" : age(picture_s));
+  $("picture-age").classList.toggle("late", picture_s > STALE_AFTER_S);
+  markStale("picture", picture_s, "picture");
+  markStale("field", state.world ? state.world.age_s + silent_s : null, "positions");
+}
+
+function markStale(id, age_s, what) {
+  const stale = age_s !== null && age_s > STALE_AFTER_S;
+  $(`${id}-stale`).hidden = !stale;
+  $(id).parentElement.classList.toggle("is-stale", stale);
+  if (stale) setText($(`${id}-stale`), `${what} ${age(age_s)} old`);
+}
+
+/** Words for those who cannot see the canvases; not faster than they can be read. */
+function describe() {
+  if (!state || !field) return;
+  const world = state.world?.valid ? state.world.value : null;
+  const ball = world?.ball ? `, ball at ${world.ball.x_m.toFixed(2)} m, ${world.ball.y_m.toFixed(2)} m` : ", no ball";
+  $("field").setAttribute("aria-label", world ? `The field from above: ${world.robots.length} robots${ball}` : "The field from above: nothing known");
+  $("picture").setAttribute("aria-label", picture ? `The camera's picture ${picture.number}` : "No picture yet");
+  for (const entry of tiles) describeTile(entry, viewOf(entry));
+}

@@ -1,0 +1,77 @@
+// Shared by everything that shows something: sharp canvases, the colors of the theme, names of robots.
+
+const style = getComputedStyle(document.documentElement);
+const colors = new Map();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => colors.clear());
+
+/** A color of the style sheet by name. */
+export function color(name) {
+  if (!colors.has(name)) colors.set(name, style.getPropertyValue(`--${name}`).trim());
+  return colors.get(name);
+}
+
+/** An empty canvas in units of CSS pixels, sharp on every screen. */
+export function cleared(canvas) {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const ratio = window.devicePixelRatio || 1;
+  const pixels = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== pixels[0] || canvas.height !== pixels[1]) [canvas.width, canvas.height] = pixels;
+  const pen = canvas.getContext("2d");
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  return { pen, width, height };
+}
+
+/** Text with an edge round it, readable on anything. */
+export function outlinedText(pen, text, x, y, fill, edge = "#000000b0") {
+  pen.lineJoin = "round";
+  pen.lineWidth = 3;
+  pen.strokeStyle = edge;
+  pen.strokeText(text, x, y);
+  pen.fillStyle = fill;
+  pen.fillText(text, x, y);
+}
+
+/** B3 for a robot that wears the marker of blue 3; B#7 for a marker of no number, B? for none. */
+export function robotLabel(field, team, id) {
+  const letter = team === "blue" ? "B" : "Y";
+  if (id === null) return `${letter}?`;
+  const number = field.marker_ids[team].indexOf(id) + 1;
+  return number ? `${letter}${number}` : `${letter}#${id}`;
+}
+
+/** What an edge's code stands for: its color, a label to write beside it, and how thick it is. */
+export function edgeLook(kinds, code) {
+  if (code >= kinds.robot_yellow) return { color: color("yellow"), label: `Y${code - kinds.robot_yellow || "?"}`, width: 3.5 };
+  if (code >= kinds.robot_blue) return { color: color("blue"), label: `B${code - kinds.robot_blue || "?"}`, width: 3.5 };
+  if (code === kinds.goal_blue) return { color: color("blue"), label: "G", width: 3 };
+  if (code === kinds.goal_yellow) return { color: color("yellow"), label: "G", width: 3 };
+  if (code === kinds.unknown) return { color: color("unknown"), label: "?", width: 3.5 };
+  return { color: color("wall"), label: "", width: 1.6 };
+}
+
+/** Text that is set only when it differs, so that nothing flickers and selections stay. */
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** The bytes of a base64 string. */
+export function bytesFrom(base64) {
+  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+}
+
+/** Runs of equal edge codes round the circle: [{code, start, length}], directions in degrees. */
+export function runsOf(codes) {
+  const count = codes.length;
+  let first = 0;
+  while (first < count && codes[first] === codes[(first + count - 1) % count]) first += 1;
+  if (first === count) return [{ code: codes[0], start: 0, length: count }];
+  const runs = [];
+  for (let step = 0; step < count; step += 1) {
+    const code = codes[(first + step) % count];
+    const last = runs.at(-1);
+    if (last && last.code === code) last.length += 1;
+    else runs.push({ code, start: (first + step) % count, length: 1 });
+  }
+  return runs;
+}

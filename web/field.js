@@ -1,0 +1,167 @@
+// The field from above, and what the chosen robot sees of it.
+
+import { bytesFrom, cleared, color, edgeLook, outlinedText, robotLabel, runsOf } from "./drawing.js";
+
+const PADDING_M = 0.06;
+const FRONT_RAD = 0.9; // half the angle of an SSL robot's flat front
+const RAY_EVERY_DEG = 10;
+const SMALLEST_LABELLED_PX = 11;
+const NO_EDGE = 255;
+
+/** Where the world is on a canvas: {x, y, scale, toCanvas}. */
+function mapping(field, width, height) {
+  const ends = field.segments.flatMap((s) => [[s.x1_m, s.y1_m], [s.x2_m, s.y2_m]]);
+  const halfX = Math.max(field.length_m / 2, ...ends.map(([x]) => Math.abs(x))) + PADDING_M;
+  const halfY = Math.max(field.width_m / 2, ...ends.map(([, y]) => Math.abs(y))) + PADDING_M;
+  const scale = Math.min(width / (2 * halfX), height / (2 * halfY));
+  return { scale, at: (x, y) => [width / 2 + x * scale, height / 2 - y * scale] };
+}
+
+/** Draw the field; chosen is {team, number} or null. */
+export function drawField(canvas, field, state, chosen) {
+  const { pen, width, height } = cleared(canvas);
+  const map = mapping(field, width, height);
+  const world = state.world?.valid ? state.world.value : null;
+  const view = chosen && state.views?.valid
+    ? state.views.value.views.find((v) => v.team === chosen.team && v.number === chosen.number) : null;
+  const own = chosen && world?.robots.find((r) => r.team === chosen.team && r.id === field.marker_ids[chosen.team][chosen.number - 1]);
+  const seen = view && own ? seenPoints(field, view, own) : null;
+  if (seen) drawSeenArea(pen, map, seen, own);
+  drawPaint(pen, map, field);
+  drawSegments(pen, map, field);
+  if (seen) drawSeenEdges(pen, map, field, seen, own);
+  for (const robot of world?.robots ?? []) drawRobot(pen, map, field, robot, robot === own, world.at);
+  if (world?.ball) drawBall(pen, map, field, world.ball);
+}
+
+/** The robot's name under a point of the canvas, or null. */
+export function robotAt(canvas, field, state, x, y) {
+  const map = mapping(field, canvas.clientWidth, canvas.clientHeight);
+  const reach = Math.max(field.robot_radius_m * map.scale, 14);
+  for (const robot of state.world?.value.robots ?? []) {
+    const [rx, ry] = map.at(robot.x_m, robot.y_m);
+    const number = field.marker_ids[robot.team].indexOf(robot.id) + 1;
+    if (number && Math.hypot(x - rx, y - ry) <= reach) return { team: robot.team, number };
+  }
+  return null;
+}
+
+/** Edges of a view on the floor: the middle of what one pixel of the mirror spans. */
+function seenPoints(field, view, own) {
+  const px = bytesFrom(view.px);
+  const far = 2 * Math.hypot(field.length_m, field.width_m);
+  const codes = bytesFrom(view.kinds);
+  const points = Array.from(px, (value, direction) => {
+    const near = field.mirror_m[value];
+    const beyond = field.mirror_m[value + 1];
+    const reach = value === NO_EDGE || near === null ? far : (near + (beyond ?? near)) / 2;
+    const angle = own.heading_rad + (direction * Math.PI) / 180;
+    return [own.x_m + reach * Math.cos(angle), own.y_m + reach * Math.sin(angle)];
+  });
+  return { points, codes };
+}
+
+function drawSeenArea(pen, map, seen, own) {
+  pen.beginPath();
+  for (const [x, y] of seen.points) pen.lineTo(...map.at(x, y));
+  pen.closePath();
+  pen.fillStyle = "#ffffff2e";
+  pen.fill();
+  pen.strokeStyle = "#ffffff40";
+  pen.lineWidth = 1;
+  pen.beginPath();
+  for (let direction = 0; direction < seen.points.length; direction += RAY_EVERY_DEG) {
+    pen.moveTo(...map.at(own.x_m, own.y_m));
+    pen.lineTo(...map.at(...seen.points[direction]));
+  }
+  pen.stroke();
+}
+
+function drawSeenEdges(pen, map, field, seen) {
+  pen.lineCap = "round";
+  for (const { code, start, length } of runsOf(seen.codes)) {
+    if (code === field.kinds.nothing) continue;
+    const look = edgeLook(field.kinds, code);
+    pen.strokeStyle = code === field.kinds.wall ? "#ffffff" : look.color;
+    pen.lineWidth = look.width;
+    pen.beginPath();
+    for (let step = 0; step < length; step += 1) pen.lineTo(...map.at(...seen.points[(start + step) % seen.points.length]));
+    pen.stroke();
+  }
+  pen.lineCap = "butt";
+}
+
+function drawPaint(pen, map, field) {
+  pen.strokeStyle = color("carpet-line");
+  pen.lineWidth = Math.max(field.line_width_m * map.scale, 1);
+  pen.beginPath();
+  for (const [x1, y1, x2, y2] of field.lines) {
+    pen.moveTo(...map.at(x1, y1));
+    pen.lineTo(...map.at(x2, y2));
+  }
+  for (const arc of field.arcs) {
+    const [x, y] = map.at(arc.x_m, arc.y_m);
+    pen.moveTo(x + arc.radius_m * map.scale * Math.cos(arc.start_rad), y - arc.radius_m * map.scale * Math.sin(arc.start_rad));
+    pen.arc(x, y, arc.radius_m * map.scale, -arc.start_rad, -arc.end_rad, true);
+  }
+  pen.stroke();
+}
+
+function drawSegments(pen, map, field) {
+  for (const segment of field.segments) {
+    const goal = segment.kind === field.kinds.goal_blue ? "#4f8dff" : "#ffd23f";
+    pen.strokeStyle = segment.kind === field.kinds.wall ? "#11181499" : goal;
+    pen.lineWidth = segment.solid ? 4 : 1.5;
+    pen.setLineDash(segment.solid ? [] : [6, 5]);
+    pen.beginPath();
+    pen.moveTo(...map.at(segment.x1_m, segment.y1_m));
+    pen.lineTo(...map.at(segment.x2_m, segment.y2_m));
+    pen.stroke();
+  }
+  pen.setLineDash([]);
+}
+
+function drawRobot(pen, map, field, robot, isChosen, at) {
+  const [x, y] = map.at(robot.x_m, robot.y_m);
+  const radius = Math.max(field.robot_radius_m * map.scale, 4);
+  const front = -robot.heading_rad;
+  const blue = robot.team === "blue";
+  const predicted = robot.seen < at;
+  pen.beginPath();
+  pen.arc(x, y, radius, front + FRONT_RAD, front - FRONT_RAD);
+  pen.closePath();
+  pen.globalAlpha = predicted ? 0.6 : 1;
+  pen.fillStyle = blue ? "#2f6fe4" : "#ffd23f";
+  pen.fill();
+  pen.globalAlpha = 1;
+  pen.setLineDash(predicted ? [3, 3] : []);
+  pen.lineWidth = isChosen ? 3 : 1.2;
+  pen.strokeStyle = isChosen ? "#ffffff" : "#0b120e";
+  pen.stroke();
+  pen.setLineDash([]);
+  pen.textAlign = "center";
+  const label = robotLabel(field, robot.team, robot.id);
+  if (radius >= SMALLEST_LABELLED_PX) {
+    pen.font = "700 11px system-ui, sans-serif";
+    pen.fillStyle = blue ? "#ffffff" : "#2a2000";
+    pen.textBaseline = "middle";
+    pen.fillText(label, x - 1.5 * Math.cos(front), y - 1.5 * Math.sin(front) + 0.5);
+    pen.textBaseline = "alphabetic";
+  } else {
+    pen.font = "600 10px system-ui, sans-serif";
+    outlinedText(pen, label, x, y - radius - 4, blue ? "#a8c8ff" : "#ffe58a");
+  }
+}
+
+function drawBall(pen, map, field, ball) {
+  const [x, y] = map.at(ball.x_m, ball.y_m);
+  pen.beginPath();
+  pen.arc(x, y, Math.max(field.ball_radius_m * map.scale, 4.5), 0, 2 * Math.PI);
+  pen.fillStyle = ball.hidden ? "#ff6a2a60" : "#ff6a2a";
+  pen.fill();
+  pen.setLineDash(ball.hidden ? [2, 2] : []);
+  pen.lineWidth = 1.5;
+  pen.strokeStyle = "#ffffff";
+  pen.stroke();
+  pen.setLineDash([]);
+}

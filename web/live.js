@@ -1,0 +1,82 @@
+// The live connection: says "next", is handed the newest turn, says "next" again. Reconnects by itself.
+
+const RETRY_MS = [300, 500, 1000, 2000];
+const SILENCE_MS = 3000; // the service speaks four times a second at least
+const HEADER_BYTES = 12;
+
+/**
+ * Keep a live connection. onTurn(state, picture) is called for every turn, picture is null or
+ * {number, grabbed_s, bitmap}; onLink(open, reason) when the link opens or is lost.
+ */
+export function connect(onTurn, onLink) {
+  let socket = null;
+  let failures = 0;
+  let watchdog = 0;
+  let retry = 0;
+
+  function open() {
+    clearTimeout(retry);
+    const mine = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`);
+    let picture = null;
+    socket = mine;
+    mine.binaryType = "arraybuffer";
+    mine.onopen = () => {
+      failures = 0;
+      onLink(true, "");
+      mine.send("next");
+      guard(mine);
+    };
+    mine.onmessage = async ({ data }) => {
+      guard(mine);
+      if (data instanceof ArrayBuffer) {
+        picture = decoded(data);
+        return;
+      }
+      const newest = await picture;
+      if (mine !== socket) return;
+      onTurn(JSON.parse(data), newest);
+      if (mine.readyState === WebSocket.OPEN) mine.send("next");
+    };
+    mine.onclose = ({ reason }) => {
+      if (mine === socket) lost(reason);
+    };
+  }
+
+  function lost(reason) {
+    clearTimeout(watchdog);
+    clearTimeout(retry);
+    socket = null;
+    onLink(false, reason);
+    if (document.hidden) return; // nobody looks: the service need not make pictures for this page
+    retry = setTimeout(open, RETRY_MS[Math.min(failures++, RETRY_MS.length - 1)]);
+  }
+
+  function guard(mine) {
+    clearTimeout(watchdog);
+    watchdog = setTimeout(() => drop(mine), SILENCE_MS);
+  }
+
+  function drop(mine) {
+    if (mine !== socket) return;
+    mine.close();
+    lost("");
+  }
+
+  document.addEventListener("visibilitychange", () => {
+    if (document.hidden && socket) drop(socket);
+    if (!document.hidden && !socket) open();
+  });
+  open();
+}
+
+/** The picture of a binary message; null when it cannot be decoded. */
+async function decoded(message) {
+  const header = new DataView(message, 0, HEADER_BYTES);
+  const jpeg = new Blob([new Uint8Array(message, HEADER_BYTES)], { type: "image/jpeg" });
+  try {
+    const bitmap = await createImageBitmap(jpeg);
+    return { number: header.getUint32(0, true), grabbed_s: header.getFloat64(4, true), bitmap };
+  } catch {
+    return null;
+  }
+}

@@ -1,0 +1,168 @@
+// One tile per robot: its view as its client gets it, heading up, anticlockwise to the left.
+// The radius is in pixels of the mirror (equation 1), so near things take more room than far ones.
+
+import { bytesFrom, cleared, color, edgeLook, runsOf, setText } from "./drawing.js";
+
+const RINGS_M = [0.25, 0.5, 1, 2, 4, 8];
+const LEAST_RING_GAP_PX = 7;
+const LEAST_LABELLED_DEG = 4;
+const LABEL_INSET_PX = 9;
+const LABEL_ROOM_PX = 13;
+const NO_EDGE = 255;
+const DEG = Math.PI / 180;
+
+/** Make the tiles of both teams, blue left and yellow right; onChoose({team, number}) when one is pressed. */
+export function makeTiles(parent, field, onChoose) {
+  parent.replaceChildren();
+  const tiles = [];
+  for (let number = 1; number <= field.numbers; number += 1) {
+    for (const team of ["blue", "yellow"]) {
+      const tile = document.createElement("button");
+      tile.type = "button";
+      tile.className = `tile ${team}`;
+      tile.setAttribute("aria-pressed", "false");
+      tile.innerHTML =
+        '<canvas role="img"></canvas><span class="who"></span><span class="client"></span>' +
+        '<span class="ball"></span><span class="flags"></span><span class="unseen-robot">not seen</span>';
+      const part = (name) => tile.querySelector(`.${name}`);
+      part("who").textContent = `${team === "blue" ? "B" : "Y"}${number}`;
+      tile.addEventListener("click", () => onChoose({ team, number }));
+      parent.append(tile);
+      tiles.push({
+        team, number, tile, canvas: tile.querySelector("canvas"),
+        client: part("client"), ball: part("ball"), flags: part("flags"), empty: part("unseen-robot"),
+      });
+    }
+  }
+  return tiles;
+}
+
+/** Draw one tile; view and client are undefined when there is none. */
+export function drawTile(entry, field, view, client, isChosen) {
+  entry.tile.setAttribute("aria-pressed", String(isChosen));
+  setText(entry.client, client ? `${client.rate_hz.toFixed(1)}/s${client.dropped ? ` −${client.dropped}` : ""}` : "no client");
+  entry.client.classList.toggle("served", Boolean(client));
+  entry.client.title = client ? `${client.dropped} dropped` : "";
+  entry.empty.hidden = Boolean(view);
+  setText(entry.ball, !view ? "" : view.ball_px < 0 ? "no\nball" : `${view.ball_px} px\n${view.ball_direction_deg}°`);
+  setText(entry.flags, [view?.partial && "partial", view?.overlap && "overlap"].filter(Boolean).join(", "));
+  const { pen, width, height } = cleared(entry.canvas);
+  if (view) drawDial(pen, width, height, field, view);
+}
+
+/** What a tile says to somebody who cannot see it. */
+export function describeTile(entry, view) {
+  const who = `${entry.team} ${entry.number}`;
+  const ball = view && view.ball_px >= 0 ? `ball at ${view.ball_direction_deg} degrees, ${view.ball_px} pixels` : "no ball";
+  entry.canvas.setAttribute("aria-label", view ? `View of ${who}: ${ball}` : `${who} is not seen`);
+}
+
+function drawDial(pen, width, height, field, view) {
+  const outer = Math.min(width, height) / 2 - 1;
+  const { farthest, rings } = scaleOf(field);
+  const scale = (outer - 2) / farthest;
+  pen.translate(width / 2, height / 2);
+  pen.beginPath();
+  pen.arc(0, 0, outer, 0, 2 * Math.PI);
+  pen.fillStyle = color("dial");
+  pen.fill();
+  const px = bytesFrom(view.px);
+  const codes = bytesFrom(view.kinds);
+  const place = (direction, radius) => [-radius * Math.sin(direction * DEG), -radius * Math.cos(direction * DEG)];
+  const radius = (direction) => (px[direction] === NO_EDGE ? farthest : Math.min(px[direction], farthest)) * scale;
+  pen.beginPath();
+  for (let direction = 0; direction < px.length; direction += 1) pen.lineTo(...place(direction, radius(direction)));
+  pen.closePath();
+  pen.fillStyle = color("seen");
+  pen.fill();
+  drawRings(pen, rings, scale);
+  const runs = runsOf(codes).filter(({ code }) => code !== field.kinds.nothing);
+  for (const run of runs) drawRun(pen, field, run, px.length, place, radius);
+  drawLabels(pen, field, runs, px.length, place, radius);
+  if (view.ball_px >= 0) drawBall(pen, view, scale, place);
+  drawBody(pen, field, scale);
+}
+
+/** Pixels of the mirror up to the field's diagonal, and where the rings lie. */
+function scaleOf(field) {
+  const pxOf = (metres) => {
+    const beyond = field.mirror_m.findIndex((value) => value === null || value > metres);
+    return beyond < 0 ? field.mirror_m.length - 1 : beyond;
+  };
+  return { farthest: pxOf(Math.hypot(field.length_m, field.width_m)) + 2, rings: RINGS_M.map((m) => [m, pxOf(m)]) };
+}
+
+function drawRings(pen, rings, scale) {
+  pen.strokeStyle = color("ring");
+  pen.lineWidth = 0.8;
+  let last = 0;
+  for (const [, px] of rings) {
+    if ((px - last) * scale < LEAST_RING_GAP_PX) continue;
+    last = px;
+    pen.beginPath();
+    pen.arc(0, 0, px * scale, 0, 2 * Math.PI);
+    pen.stroke();
+  }
+}
+
+function drawRun(pen, field, run, count, place, radius) {
+  const look = edgeLook(field.kinds, run.code);
+  pen.strokeStyle = look.color;
+  pen.lineWidth = look.width;
+  pen.lineJoin = "round";
+  pen.beginPath();
+  for (let step = 0; step < run.length; step += 1) {
+    const direction = (run.start + step) % count;
+    pen.lineTo(...place(direction - 0.5, radius(direction)));
+    pen.lineTo(...place(direction + 0.5, radius(direction)));
+  }
+  pen.stroke();
+}
+
+/** Names beside the edges, the widest first; one that would cover another is left out. */
+function drawLabels(pen, field, runs, count, place, radius) {
+  const written = [];
+  pen.font = "700 9px system-ui, sans-serif";
+  pen.textAlign = "center";
+  pen.textBaseline = "middle";
+  for (const run of [...runs].sort((one, other) => other.length - one.length)) {
+    const look = edgeLook(field.kinds, run.code);
+    if (!look.label || run.length < LEAST_LABELLED_DEG) continue;
+    const middle = run.start + run.length / 2;
+    const [x, y] = place(middle, radius(Math.floor(middle) % count) - LABEL_INSET_PX);
+    if (written.some(([a, b]) => Math.hypot(a - x, b - y) < LABEL_ROOM_PX)) continue;
+    written.push([x, y]);
+    pen.fillStyle = look.color;
+    pen.fillText(look.label, x, y);
+  }
+}
+
+function drawBall(pen, view, scale, place) {
+  const radius = view.ball_px * scale;
+  const half = view.ball_size_deg / 2;
+  const [x, y] = place(view.ball_direction_deg, radius);
+  pen.strokeStyle = color("ball");
+  pen.lineWidth = 5;
+  pen.beginPath();
+  for (let offset = -half; offset <= half; offset += 1) pen.lineTo(...place(view.ball_direction_deg + offset, radius));
+  pen.stroke();
+  pen.beginPath();
+  pen.arc(x, y, 4, 0, 2 * Math.PI);
+  pen.fillStyle = color("ball");
+  pen.fill();
+  pen.lineWidth = 1;
+  pen.strokeStyle = color("ink");
+  pen.stroke();
+}
+
+function drawBody(pen, field, scale) {
+  const own = field.mirror_m.findIndex((metres) => metres === null || metres > field.robot_radius_m);
+  const size = Math.min(Math.max(own * scale, 4), 9);
+  pen.fillStyle = color("dim");
+  pen.beginPath();
+  pen.moveTo(0, -size);
+  pen.lineTo(size * 0.7, size * 0.7);
+  pen.lineTo(0, size * 0.35);
+  pen.lineTo(-size * 0.7, size * 0.7);
+  pen.fill();
+}
