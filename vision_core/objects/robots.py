@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,8 @@ ENOUGH_DOTS = 3
 NUMERALS = {2: "two", 3: "three", 4: "four"}
 
 Indices = NDArray[np.intp]
+Row = list[float]
+"""A hypothesis, see ``hypotheses``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +45,11 @@ class Dots:
 
     blob: Indices
     """Their numbers in the frame's Blobs."""
+    color: tuple[str, ...]
     place_m: Floats
     """Shape (n, 2), at marker height."""
     share: Floats
-    """Area over the predicted one."""
+    """Area over the one that a dot of its role must have."""
 
 
 def find_robots(
@@ -55,47 +59,51 @@ def find_robots(
 
     Positions are the fitted marker's center in the field; (x_px, y_px) is its image at marker height.
     """
-    every_center = _measured(blobs, table, TEAMS, marker.center_area_m2, camera, settings.height_m)
-    every_dot = _measured(blobs, table, marker.dot_colors, marker.dot_area_m2, camera, settings.height_m)
+    measured = _measured(blobs, table, {*TEAMS, *marker.dot_colors}, camera, settings.height_m)
+    every_center = _of_colors(measured, TEAMS, marker.center_area_m2)
+    every_dot = _of_colors(measured, marker.dot_colors, marker.dot_area_m2)
     centers, dots = _of_right_size(every_center, settings), _of_right_size(every_dot, settings)
-    rows = propose(
+    array = propose(
         centers.place_m, likeness(centers.share), dots.place_m, likeness(dots.share),
         marker.slots_m, settings.dot_tolerance_m,
     )  # fmt: skip
-    rows = rows[np.argsort(-rows[:, SCORE], kind="stable")]
+    rows = array[np.argsort(-array[:, SCORE], kind="stable")].tolist()
     winners = _compete(rows, settings)
     if not winners:
         return (), (_why_none(blobs, every_center, centers, rows, settings),)
-    pixels = camera.pixel_from_field(rows[list(winners)][:, [X, Y]], settings.height_m).tolist()
-    initials = [table.names[color][:1].upper() for color in blobs.color]
-    robots = []
-    for (number, ambiguous), pixel in zip(winners.items(), pixels, strict=True):
-        row = rows[number]
-        team = Team(table.names[blobs.color[centers.blob[int(row[CENTER])]]])
-        code = "".join(initials[dots.blob[int(dot)]] if dot >= 0 else "-" for dot in row[FIRST_DOT:])
-        robots.append(
-            _sighting(row, team, marker.id_by_code.get(code), pixel, told=not ambiguous and row[MATCHED] >= ENOUGH_DOTS)
-        )
+    places = np.array([(rows[number][X], rows[number][Y]) for number in winners])
+    pixels = camera.pixel_from_field(places, settings.height_m).tolist()
+    robots = [
+        _sighting(rows[number], centers, dots, marker, pixel, ambiguous=ambiguous)
+        for (number, ambiguous), pixel in zip(winners.items(), pixels, strict=True)
+    ]
     return _unmistakable(robots)
 
 
-def _measured(
-    blobs: Blobs, table: ColorTable, colors: Collection[str], area_m2: float, camera: CameraModel, height_m: float
-) -> Dots:
-    """Blobs of some classes at marker height, their areas compared with what the camera model predicts."""
+def _measured(blobs: Blobs, table: ColorTable, colors: Collection[str], camera: CameraModel, height_m: float) -> Dots:
+    """Blobs of some classes at marker height; shares are of a square metre."""
     wanted = np.array([name in colors for name in table.names])
     chosen = np.flatnonzero(wanted[blobs.color])
     place = camera.field_from_pixel(blobs.center_px[chosen], height_m)
-    predicted = area_m2 * pixels_per_square_metre(camera, place, height_m)
-    return Dots(chosen, place, blobs.area_px[chosen] / predicted)
+    area_m2 = blobs.area_px[chosen] / pixels_per_square_metre(camera, place, height_m)
+    return Dots(chosen, tuple(table.names[color] for color in blobs.color[chosen]), place, area_m2)
+
+
+def _of_colors(dots: Dots, colors: Collection[str], area_m2: float) -> Dots:
+    """Those of some colors, their areas as shares of an area."""
+    chosen = _chosen(dots, np.array([color in colors for color in dots.color], dtype=np.bool_))
+    return replace(chosen, share=chosen.share / area_m2)
 
 
 def _of_right_size(dots: Dots, settings: RobotSettings) -> Dots:
-    right = (dots.share >= settings.min_area) & (dots.share <= settings.max_area)
-    return Dots(dots.blob[right], dots.place_m[right], dots.share[right])
+    return _chosen(dots, (dots.share >= settings.min_area) & (dots.share <= settings.max_area))
 
 
-def _compete(rows: Floats, settings: RobotSettings) -> dict[int, bool]:
+def _chosen(dots: Dots, mask: NDArray[np.bool_]) -> Dots:
+    return Dots(dots.blob[mask], tuple(compress(dots.color, mask)), dots.place_m[mask], dots.share[mask])
+
+
+def _compete(rows: list[Row], settings: RobotSettings) -> dict[int, bool]:
     """The rows that win, best first, and whether the heading of each is ambiguous.
 
     rows: hypotheses, best first. A blob serves once, and robots do not stand in one another.
@@ -104,14 +112,14 @@ def _compete(rows: Floats, settings: RobotSettings) -> dict[int, bool]:
     winner_of_center: dict[float, int] = {}
     used: set[float] = set()
     spacing = NEAREST * 2.0 * settings.radius_m
-    for number, row in enumerate(rows.tolist()):
+    for number, row in enumerate(rows):
         if row[SCORE] < settings.min_confidence:
             break
         if (winner := winner_of_center.get(row[CENTER])) is not None:
             ambiguous[winner] |= _is_rival(row, rows[winner])
             continue
         dots = {dot for dot in row[FIRST_DOT:] if dot >= 0}
-        near = (math.hypot(row[X] - rows[other, X], row[Y] - rows[other, Y]) for other in ambiguous)
+        near = (math.hypot(row[X] - rows[other][X], row[Y] - rows[other][Y]) for other in ambiguous)
         if not dots & used and all(distance >= spacing for distance in near):
             winner_of_center[row[CENTER]] = number
             ambiguous[number] = False
@@ -119,23 +127,27 @@ def _compete(rows: Floats, settings: RobotSettings) -> dict[int, bool]:
     return ambiguous
 
 
-def _is_rival(row: list[float], winner: Floats) -> bool:
-    turn = abs(wrap_angle(row[HEADING] - float(winner[HEADING])))
-    as_many = row[MATCHED] == winner[MATCHED]
-    return as_many and row[SCORE] >= RIVAL_SCORE * winner[SCORE] and turn > RIVAL_TURN_RAD
+def _is_rival(row: Row, winner: Row) -> bool:
+    if row[MATCHED] != winner[MATCHED] or row[SCORE] < RIVAL_SCORE * winner[SCORE]:
+        return False
+    return abs(wrap_angle(row[HEADING] - winner[HEADING])) > RIVAL_TURN_RAD
 
 
-def _sighting(row: Floats, team: Team, number: int | None, pixel: list[float], *, told: bool) -> RobotSighting:
-    """A robot from a winning hypothesis; told: its dots tell the heading, and with it the id."""
+def _sighting(
+    row: Row, centers: Dots, dots: Dots, marker: Marker, pixel: list[float], *, ambiguous: bool
+) -> RobotSighting:
+    """A robot from a winning hypothesis."""
+    told = not ambiguous and row[MATCHED] >= ENOUGH_DOTS
+    code = "".join(dots.color[int(dot)][0].upper() if dot >= 0 else "-" for dot in row[FIRST_DOT:])
     return RobotSighting(
-        team=team,
-        id=number if told else None,
+        team=Team(centers.color[int(row[CENTER])]),
+        id=marker.id_by_code.get(code) if told else None,
         x_px=pixel[0],
         y_px=pixel[1],
-        x_m=float(row[X]),
-        y_m=float(row[Y]),
-        heading_rad=wrap_angle(float(row[HEADING])) if told else None,
-        confidence=float(row[SCORE]),
+        x_m=row[X],
+        y_m=row[Y],
+        heading_rad=wrap_angle(row[HEADING]) if told else None,
+        confidence=row[SCORE],
     )
 
 
@@ -149,7 +161,7 @@ def _unmistakable(robots: list[RobotSighting]) -> tuple[tuple[RobotSighting, ...
     return tuple(kept), tuple(reasons)
 
 
-def _why_none(blobs: Blobs, every: Dots, centers: Dots, rows: Floats, settings: RobotSettings) -> str:
+def _why_none(blobs: Blobs, every: Dots, centers: Dots, rows: list[Row], settings: RobotSettings) -> str:
     """Why no robot was seen: what came nearest to one, and what it lacks."""
     if not len(every.blob):
         return "no robot: no blob of a team's color"
@@ -160,7 +172,7 @@ def _why_none(blobs: Blobs, every: Dots, centers: Dots, rows: Floats, settings: 
             f"{_place(blobs, every.blob[nearest])}, has {every.share[nearest]:.0%} of it "
             f"({settings.min_area:.0%} to {settings.max_area:.0%} are accepted)"
         )
-    if not len(rows):
+    if not rows:
         nearest = int(np.argmax(likeness(centers.share)))
         return f"no robot: no dot round the team-colored blob at {_place(blobs, centers.blob[nearest])}"
     best = rows[0]
