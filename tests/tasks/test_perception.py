@@ -10,6 +10,7 @@ from tests.objects.drawing import CODES, PAINTS, SETTINGS, Picture, turn_between
 from vision_core.clock import Instant, ManualClock
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
+from vision_core.settings import ColorRange
 from vision_core.settings_models import camera_model_from
 from vision_core.tasks.perception import Perception
 from vision_core.types.image import ImageFrame
@@ -73,6 +74,14 @@ def test_overflow_is_said() -> None:
     flood = np.full(size, PAINTS["orange"], dtype=np.uint8)
     seen = perception.perceive(ImageFrame("main", 1, Instant(0), flood), ManualClock())
     assert "too many blobs" in seen.reasons[0]
+
+
+def test_conflicts_of_color_classes_are_said_when_something_is_missing() -> None:
+    shadowed = {"everything": (ColorRange(value=(0.0, 1.0)),), **SETTINGS.colors.classes}
+    colors = msgspec.structs.replace(SETTINGS.colors, classes=shadowed)
+    perception = Perception(msgspec.structs.replace(SETTINGS, colors=colors))
+    seen = perception.perceive(frame_of(Picture(CutCamera(), 20, 20)), ManualClock())  # type: ignore[arg-type]
+    assert any("classes everything and orange claim" in reason for reason in seen.reasons)
 
 
 def test_a_pattern_without_its_color_classes_is_refused() -> None:

@@ -35,6 +35,10 @@ class Perception:
                 accepted=f"classes of colors.classes: {', '.join(settings.colors.classes)}",
             )
         self._searched = keep_classes(self.table, {*TEAMS, *self._marker.dot_colors, settings.ball.color})
+        self._conflicts = tuple(
+            f"color classes {first} and {other} claim {count} of the same colors; {first}, listed first, has them"
+            for first, other, count in self.table.disputed
+        )
         self._camera = camera_model_from(settings)
         self._segmenter = Segmenter(settings.camera.width_px, settings.camera.height_px, settings.blobs)
 
@@ -53,6 +57,7 @@ class Perception:
             blobs, self.table, frame.pixels, self._camera, robots, settings.ball, settings.field
         )
         overflow = () if blobs.complete else (OVERFLOW,)
+        conflicts = () if robots and balls else self._conflicts
         return Sightings(
             camera=frame.camera,
             frame_number=frame.number,
@@ -60,5 +65,5 @@ class Perception:
             perceived=clock.now(),
             robots=robots,
             balls=balls,
-            reasons=(*overflow, *robot_reasons, *ball_reasons),
+            reasons=(*overflow, *robot_reasons, *ball_reasons, *conflicts),
         )
