@@ -15,7 +15,9 @@ from rich.status import Status
 from app import __version__
 from vision_core.errors import PslvError
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode="markdown")
+app = typer.Typer(
+    no_args_is_help=True, add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False
+)
 config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
 console = Console(stderr=True, highlight=False)
@@ -92,7 +94,8 @@ def serve(
     _check_source(settings)
     plan, info = plan_service(settings, __version__)
     console.print(
-        f"PSLV {__version__}: page [bold]{info.http}[/], robots at UDP {info.udp}, source {settings.source.uri}"
+        f"PSLV {__version__}: page [bold]{info.http}[/], robots at UDP {info.udp}, source {settings.source.uri}",
+        soft_wrap=True,
     )
     if os.environ.get("DISPLAY") and sys.stdout.isatty():
         webbrowser.open(info.http)

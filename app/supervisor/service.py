@@ -82,9 +82,11 @@ class Supervisor:
                     self._woken.recv(64)
             for child in self.children:
                 pipe = child.process.stdout if child.process is not None else None
-                if pipe is not None and pipe.fileno() == descriptor and (line := os.read(descriptor, 4096)):
-                    child.detail = line.decode(errors="replace").strip().splitlines()[-1]
-                    self._progress(child.detail)
+                if pipe is not None and pipe.fileno() == descriptor:
+                    text = os.read(descriptor, 4096).decode(errors="replace").strip()
+                    if text:
+                        child.detail = text.splitlines()[-1]
+                        self._progress(child.detail)
 
     def _look_after(self, child: Child, now: int) -> None:
         if child.has_ended():
