@@ -6,7 +6,7 @@ import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes, Floats
-from vision_core.mirror_model import LARGEST_PX, MM_PER_M, Mirror
+from vision_core.mirror_model import MM_PER_M, Mirror
 from vision_core.protocol.codec import encode_see
 from vision_core.protocol.letters import LetterTable, letters_by_kind
 from vision_core.protocol.messages import HIDDEN, Ball, See
@@ -47,9 +47,9 @@ def see_from_view(
 
 
 def edge_px(view: RobotView, mirror: Mirror) -> Bytes:
-    """int(f^-1(r)) of every ray, at most 254; 255 for nothing; shape (n,)."""
+    """int(f^-1(r)) of every ray, at most 254 (no mirror's horizon is farther); 255 for nothing; shape (n,)."""
     far_mm: Floats = np.minimum(view.distances_m, FARTHEST_M) * MM_PER_M
-    px = np.minimum(mirror.px_from_mm(far_mm), LARGEST_PX).astype(np.uint8)
+    px = mirror.px_from_mm(far_mm).astype(np.uint8)
     px[(view.kinds == EdgeKind.NOTHING) | (view.distances_m == math.inf)] = NOTHING_PX
     return px
 
@@ -64,5 +64,5 @@ def ball_from_view(ball: BallView | None, options: Options, mirror: Mirror) -> B
         if off_center_deg > (options.fov_deg + ball.size_deg) / 2.0:
             return HIDDEN
     size_deg = ball.size_deg if options.size == "full" else ball.size_deg / 2.0
-    px = min(int(mirror.px_from_mm(ball.distance_m * MM_PER_M)), LARGEST_PX)
+    px = int(mirror.px_from_mm(ball.distance_m * MM_PER_M))
     return Ball(px, math.floor(direction_deg + 0.5) % 360, max(math.floor(size_deg + 0.5), 1))

@@ -1,0 +1,82 @@
+"""Letters, rules, simple views, and a network in memory."""
+
+from collections import deque
+
+import numpy as np
+
+from vision_core.clock import Instant, ManualClock
+from vision_core.protocol.admission import Admission
+from vision_core.protocol.letters import LetterTable
+from vision_core.protocol.lifecycle import Peer, Port
+from vision_core.protocol.session import Arrival, Event, Reply, Rules, Sessions
+from vision_core.types.field import EdgeKind
+from vision_core.types.objects import Team
+from vision_core.types.views import BallView, RobotView
+
+LETTERS = LetterTable("-", "w", "u", "v", "q", "r", "x", "y", "A", "a")
+BOOT = Instant(5_000_000_000)
+PAPERS_TIME = Instant(BOOT + 20_306_148_000_000)
+MAIN = Arrival(Port.MAIN, "127.0.0.1")
+SESSION = Arrival(Port.SESSION, "127.0.0.1")
+CLIENT = Peer("127.0.0.1", 40000)
+OTHER = Peer("127.0.0.1", 40001)
+TEAMMATE = Peer("10.0.0.7", 40000)
+STRANGER = Peer("192.0.2.9", 40000)
+SUBNETS = ("10.0.0.0/24", "fd00::/64")
+
+
+def rules(lease_s: float = 600.0) -> Rules:
+    return Rules(BOOT, 5, lease_s, 3.6, Admission.from_subnets(SUBNETS))
+
+
+def simple_view(
+    *,
+    at: Instant = PAPERS_TIME,
+    rays: int = 360,
+    distance_m: float = 0.22,
+    kind: int = EdgeKind.WALL,
+    ball: BallView | None = None,
+) -> RobotView:
+    """The same edge in every direction."""
+    distances = np.full(rays, distance_m)
+    return RobotView(Team.BLUE, 3, at, 7, distances, np.full(rays, kind, dtype=np.uint8), ball, False)
+
+
+class Server:
+    """Sessions with a clock, spoken to in bytes."""
+
+    def __init__(self, lease_s: float = 600.0) -> None:
+        self.clock = ManualClock(BOOT)
+        self.sessions = Sessions(rules(lease_s))
+
+    def hear(self, datagram: bytes, peer: Peer = CLIENT, arrival: Arrival = MAIN) -> list[Event]:
+        return self.sessions.receive(datagram, peer, arrival, self.clock.now())
+
+    def answers(self, datagram: bytes, peer: Peer = CLIENT, arrival: Arrival = MAIN) -> list[bytes]:
+        return replies(self.hear(datagram, peer, arrival))
+
+
+def replies(events: list[Event]) -> list[bytes]:
+    return [event.data for event in events if isinstance(event, Reply)]
+
+
+class Network:
+    """Servers by address; what they send to each other travels, loses its way or ends."""
+
+    def __init__(self, servers: dict[Peer, Server]) -> None:
+        self.servers = servers
+        self.travelled = 0
+        self._wire: deque[tuple[bytes, Peer, Peer]] = deque()
+
+    def put(self, datagram: bytes, source: Peer, target: Peer) -> None:
+        self._wire.append((datagram, source, target))
+
+    def run(self, most: int) -> None:
+        """Deliver until all is quiet, at most so many datagrams."""
+        while self._wire and self.travelled < most:
+            datagram, source, target = self._wire.popleft()
+            self.travelled += 1
+            server = self.servers.get(target)
+            for reply in server.hear(datagram, source) if server else []:
+                if isinstance(reply, Reply):
+                    self.put(reply.data, target, reply.to)

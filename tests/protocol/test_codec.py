@@ -1,0 +1,203 @@
+"""Messages to bytes and back; and whatever else may come in."""
+
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vision_core.mirror_model import PAPER_MIRROR, Mirror
+from vision_core.protocol.codec import SERVER_WORDS, decode_commands, decode_message, encode, encode_see
+from vision_core.protocol.messages import HIDDEN, Ball, Bye, Error, Faulty, Init, InitReply, Request, See, Warn
+from vision_core.protocol.options import MOST_DIRECTIONS, Options
+from vision_core.protocol.refusals import MEANINGS, ErrorName
+from vision_core.types.objects import Team
+
+BLUE_3 = Init(Team.BLUE, 3)
+DEFINITELY_BOUNDED_S = 0.5
+"""Far above what is promised (1 ms), far below what recursion or backtracking would take."""
+
+quarters = st.integers(1, 1440).map(lambda n: n / 4)
+option_sets = st.builds(
+    Options,
+    version=st.integers(1, 9),
+    types=st.sampled_from(["same", "team", "number"]),
+    mirror=st.sampled_from([None, PAPER_MIRROR, Mirror(1.933098, 0.00296946, 360000.0)]),
+    fov_deg=quarters,
+    center_deg=st.integers(-1440, 1440).map(lambda n: n / 4),
+    resolution_deg=quarters,
+    rate_hz=st.none() | st.integers(1, 1000),
+    time=st.sampled_from(["ms", "us"]),
+    size=st.sampled_from(["full", "half"]),
+    sense=st.sampled_from(["ccw", "cw"]),
+    port_same=st.booleans(),
+).filter(lambda o: 1 <= o.directions <= MOST_DIRECTIONS and (o.first_deg * 4).is_integer())
+robots = st.tuples(st.sampled_from(Team), st.integers(1, 16))
+edge = st.tuples(st.sampled_from("wuvqrxyAPap-"), st.integers(0, 255)).map(lambda e: f"{e[0]}{e[1]:02x}".encode())
+balls = st.just(HIDDEN) | st.builds(Ball, st.integers(0, 254), st.integers(0, 359), st.integers(1, 180))
+sees = st.builds(See, st.integers(0, 10**15), st.lists(edge, max_size=448).map(b"".join), balls)
+
+
+def only(datagram: bytes) -> object:
+    request = decode_commands(datagram)
+    assert request is not None
+    assert len(request.commands) == 1
+    return request.commands[0]
+
+
+@pytest.mark.parametrize(
+    "datagram",
+    [
+        b"(init blue 3)",
+        b"(init (team blue) (number 3))",
+        b"(init blue (number 3))",
+        b"(INIT Blue 3)",
+        b"  ( init\tblue\r\n3 )\n",
+        b"(init blue 3 (version 1))",
+    ],
+)
+def test_every_accepted_form_of_init(datagram: bytes) -> None:
+    assert only(datagram) == BLUE_3
+    assert decode_commands(datagram) == Request((BLUE_3,), nul=False)
+    assert decode_commands(datagram + b"\0") == Request((BLUE_3,), nul=True)
+
+
+@given(robots, option_sets)
+def test_init_survives_the_wire(robot: tuple[Team, int], options: Options) -> None:
+    init = Init(*robot, options)
+    assert only(encode(init)) == init
+
+
+@given(sees, st.booleans())
+def test_see_survives_the_wire(see: See, nul: bool) -> None:
+    assert decode_message(encode_see(see, "us") + b"\0" * nul) == see
+
+
+@pytest.mark.parametrize(
+    "message",
+    [InitReply(Team.YELLOW, 16, "before_kick_off"), Warn("unknown_option"), *(Error(name) for name in ErrorName)],
+)
+def test_short_server_messages_survive_the_wire(message: InitReply | Error | Warn) -> None:
+    datagram = encode(message)
+    assert decode_message(datagram) == message
+    assert len(datagram) <= 39
+
+
+@pytest.mark.parametrize("bye", [Bye(), Bye(Team.BLUE, 3)])
+def test_bye_survives_the_wire(bye: Bye) -> None:
+    assert only(encode(bye)) == bye
+
+
+@pytest.mark.parametrize(
+    ("datagram", "error"),
+    [
+        (b"(init)", ErrorName.ILLEGAL_TEAM),
+        (b"(init green 3)", ErrorName.ILLEGAL_TEAM),
+        (b"(init TeamName (version 9))", ErrorName.ILLEGAL_TEAM),
+        (b"(init blue)", ErrorName.ILLEGAL_NUMBER),
+        *((b"(init blue %s)" % number, ErrorName.ILLEGAL_NUMBER) for number in (b"0", b"-1", b"03", b"17", b"3.0")),
+        (b"(init blue 99999999999999999999)", ErrorName.ILLEGAL_NUMBER),
+        (b"(init blue three)", ErrorName.ILLEGAL_NUMBER),
+        (b"(init blue 3 types)", ErrorName.ILLEGAL_OPTION),
+        (b"(init blue 3 (types rainbow))", ErrorName.ILLEGAL_OPTION),
+        (b"(init blue 3 (nonsense 1))", ErrorName.ILLEGAL_OPTION),
+        (b"(init blue 3 (mirror 1 2))", ErrorName.ILLEGAL_MIRROR),
+        (b"(bye blue)", ErrorName.ILLEGAL_FORM),
+        (b"(bye pink 3)", ErrorName.ILLEGAL_TEAM),
+        (b"()", ErrorName.ILLEGAL_FORM),
+        (b"((init) blue 3)", ErrorName.ILLEGAL_FORM),
+        (b"(init blue 3", ErrorName.ILLEGAL_FORM),
+        (b"(init blue 3))", ErrorName.ILLEGAL_FORM),
+        (b"(init blue 3) x", ErrorName.ILLEGAL_FORM),
+        (b"(init bl\0ue 3)", ErrorName.ILLEGAL_FORM),
+        ("(init bl\u00fce 3)".encode(), ErrorName.ILLEGAL_FORM),
+        (b"(bye)" * 17, ErrorName.ILLEGAL_FORM),
+        (b"(teleport home)", ErrorName.UNKNOWN_COMMAND),
+    ],
+)
+def test_what_is_wrong_is_named(datagram: bytes, error: ErrorName) -> None:
+    assert only(datagram) == Faulty(error)
+
+
+def test_a_datagram_may_hold_several_forms() -> None:
+    assert decode_commands(b"(init blue 3) (bye)") == Request((BLUE_3, Bye()), nul=False)
+
+
+@pytest.mark.parametrize("word", sorted(SERVER_WORDS))
+def test_what_a_server_said_deserves_no_answer(word: bytes) -> None:
+    assert decode_commands(b"(%s 1 2)" % word) is None
+    assert decode_commands(b" ( %s)" % word.upper()) is None
+
+
+def test_an_answer_to_init_deserves_no_answer() -> None:
+    assert decode_commands(encode(InitReply(Team.BLUE, 3, "play_on"))) is None
+
+
+def test_a_higher_version_may_ask_for_more() -> None:
+    init = only(b"(init blue 3 (version 2) (extra seq age) (types team))")
+    assert init == Init(Team.BLUE, 3, Options(version=2, types="team"), unknown_options=True)
+    assert only(b"(init blue 3 (extra seq age))") == Faulty(ErrorName.ILLEGAL_OPTION)
+
+
+def test_the_papers_sample() -> None:
+    sample = b"(see 20306.148 ((edge) r59r5ar5av3e...) ((ball) 61 121 3))"
+    assert decode_message(sample) == See(20306_148000, b"r59r5ar5av3e", Ball(61, 121, 3))
+    printed = "(see 20306.148 ((edge) r59r5ar5av3e\u00b7 \u00b7 \u00b7 ) ((ball) 61 121 3))".encode()
+    assert decode_message(printed) == decode_message(sample)
+
+
+def test_what_a_later_version_appends_is_passed_over() -> None:
+    see = decode_message(b"(see 1.5 ((edge) w10-ff) ((ball) -1 0 0) ((seq) 7) ((flags) nopose))\0")
+    assert see == See(1_500000, b"w10-ff", HIDDEN)
+    reply = decode_message(b"(init blue 3 play_on (session 8f) (mirror 4.0 0.01 90000))")
+    assert reply == InitReply(Team.BLUE, 3, "play_on")
+
+
+def test_every_error_has_a_meaning() -> None:
+    assert set(MEANINGS) == set(ErrorName)
+
+
+@given(st.binary(max_size=1400) | st.text(alphabet="(see init)blue 3.\0-wff\n", max_size=200).map(str.encode))
+def test_garbage_is_no_exception(garbage: bytes) -> None:
+    request = decode_commands(garbage)
+    assert request is None or request.commands
+    decode_message(garbage)
+
+
+@given(sees, st.integers(0, 1200), st.binary(min_size=1, max_size=3))
+def test_a_damaged_see_is_no_exception(see: See, where: int, damage: bytes) -> None:
+    intact = encode_see(see)
+    message = decode_message(intact[:where] + damage + intact[where + len(damage) :])
+    assert message is None or isinstance(message, See)
+
+
+@pytest.mark.parametrize(
+    "datagram",
+    [
+        b"",
+        b"(",
+        b"\0" * 65507,
+        b"(" * 65507,
+        b"(" * 10_000 + b")" * 10_000,
+        b"(" * 512 + b")" * 512,
+        b"(a" * 500,
+        b"(init blue 3 " + b"(types same)" * 80,
+        b"(init blue 3 (mirror " + b"1" * 900 + b" nan inf))",
+        b"(see 1.0 ((edge) " + b"w10" * 450 + b"!" * 500 + b"(",
+        b"(see 1.0 ((edge) " + b" " * 1900,
+        b"(see " + b"9" * 2000,
+        b"(see 1.0 ((edge) w10) ((ball) 1 2 3) " + b")" * 1800 + b"x",
+        b" " * 1024,
+    ],
+)
+def test_hostile_datagrams_take_bounded_time(datagram: bytes) -> None:
+    begun = time.process_time()
+    decode_commands(datagram)
+    assert not isinstance(decode_message(datagram), See) or datagram.endswith(b")")
+    assert time.process_time() - begun < DEFINITELY_BOUNDED_S
+
+
+def test_long_datagrams_are_not_looked_at() -> None:
+    init = b"(init blue 3)"
+    assert decode_commands(init.ljust(1024)) is not None
+    assert decode_commands(init.ljust(1025)) is None
