@@ -98,8 +98,7 @@ function showTables() {
   if (!state) return;
   showStatus(state.status, state.pages);
   if (linked) showVerdict(state.status.ready ? "ready" : "not-ready", state.status.ready ? "ready" : "not ready", state.status.reasons);
-  const { reasons } = state.status;
-  setText($("picture-empty"), reasons.length ? `No picture yet: ${reasons[0]}.` : "No picture yet.");
+  setText($("picture-empty"), state.status.reasons[0] ?? "no image yet");
   $("picture-empty").hidden = picture !== null;
 }
 

@@ -45,6 +45,8 @@ function duration(seconds) {
 function showClients(status) {
   $("no-clients").hidden = status.clients.length > 0;
   setText($("udp"), status.udp);
+  const port = /:(\d+)(?:,|$)/.exec(status.udp)?.[1];
+  setText($("try-it"), `python -m vision_core.client --host ${location.hostname} --port ${port} --team blue --number 1`);
   const rows = status.clients.map((client) => [
     [`${client.team} ${client.number}`, client.team],
     [`${client.address}:${client.port}`, ""],

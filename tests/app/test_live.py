@@ -1,0 +1,132 @@
+"""The live connection: one turn under way at most, always the newest."""
+
+import base64
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+from websockets.sync.connection import Connection
+
+from app import live
+from tests.app.fake_service import FakeService, PageServer, wait_for
+from vision_core.rtdb import records
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[FakeService]:
+    service = FakeService()
+    service.write_processes()
+    service.write_frame()
+    service.start()
+    yield service
+    service.stop()
+
+
+@pytest.fixture
+def server(service: FakeService) -> Iterator[PageServer]:
+    server = PageServer(service)
+    server.start()
+    yield server
+    server.stop()
+
+
+def page(server: PageServer, origin: str | None = None) -> Connection:
+    headers = {} if origin is None else {"Origin": origin}
+    return connect(f"ws://{server.address}/live", additional_headers=headers, proxy=None)
+
+
+def turn(connection: Connection) -> tuple[bytes | None, dict[str, Any]]:
+    """Ask for a turn: the picture message if there is one, and the state."""
+    connection.send("next")
+    picture = None
+    while isinstance(message := connection.recv(timeout=10), bytes):
+        picture = message
+    return picture, json.loads(message)
+
+
+def test_a_turn_is_a_picture_and_a_state(server: PageServer, service: FakeService) -> None:
+    with page(server) as connection:
+        picture, state = turn(connection)
+    assert picture is not None
+    number, grabbed_s = live.PICTURE_HEADER.unpack_from(picture)
+    assert number > 0
+    assert 0.0 < grabbed_s <= state["now_s"]
+    assert picture[live.PICTURE_HEADER.size :].startswith(b"\xff\xd8")
+    assert state["status"]["ready"] is True
+    assert state["pages"] == 1
+    assert len(state["outlines_px"]) == len(state["sightings"]["value"]["robots"]) == 10
+    views = state["views"]["value"]["views"]
+    assert len(views) == 10
+    assert len(base64.b64decode(views[0]["px"])) == len(base64.b64decode(views[0]["kinds"])) == 360
+
+
+def test_nothing_comes_unasked_and_then_the_newest(server: PageServer, service: FakeService) -> None:
+    with page(server) as connection:
+        first, _ = turn(connection)
+        assert first is not None
+        shown = live.PICTURE_HEADER.unpack_from(first)[0]
+        wait_for(lambda: service.store.reader("frames/main").sequence > shown + 10)
+        with pytest.raises(TimeoutError):
+            connection.recv(timeout=0.05)
+        later, _ = turn(connection)
+    assert later is not None
+    assert live.PICTURE_HEADER.unpack_from(later)[0] > shown + 5
+
+
+def test_turns_stop_when_nobody_watches(server: PageServer, service: FakeService) -> None:
+    info = records.task("web").reader(service.store)
+    with page(server) as connection:
+        for _ in range(3):
+            turn(connection)
+        wait_for(lambda: info.value(service.clock.now()).response_max_ms > 0.0)
+        assert info.value(service.clock.now()).note == "1 page open"
+    wait_for(lambda: info.value(service.clock.now()).note == "0 pages open")
+    sequence = info.sequence
+    wait_for(lambda: info.sequence >= sequence + 2)
+    assert info.value(service.clock.now()).response_max_ms == 0.0
+
+
+def test_a_page_that_does_not_ask_is_dropped(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "PATIENCE_S", 0.1)
+    with page(server) as connection:
+        with pytest.raises(ConnectionClosed) as closed:
+            connection.recv(timeout=10)
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == live.TOO_SLOW
+
+
+def test_one_page_too_many_is_refused_with_a_reason(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "MOST_PAGES", 1)
+    with page(server) as first:
+        turn(first)
+        with page(server) as second, pytest.raises(ConnectionClosed) as closed:
+            second.recv(timeout=10)
+        turn(first)
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.code == live.TRY_LATER
+    assert "1 pages are open" in closed.value.rcvd.reason
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
+def test_foreign_pages_are_refused(server: PageServer, origin: str) -> None:
+    with pytest.raises(InvalidStatus) as refused:
+        page(server, origin)
+    assert refused.value.response.status_code == 403
+
+
+def test_our_own_page_is_let_in(server: PageServer) -> None:
+    with page(server, f"http://{server.address}") as connection:
+        turn(connection)
+
+
+def test_a_server_that_stops_closes_its_pages(service: FakeService) -> None:
+    server = PageServer(service)
+    server.start()
+    with page(server) as connection:
+        turn(connection)
+        server.stop()
+        with pytest.raises(ConnectionClosed):
+            turn(connection)

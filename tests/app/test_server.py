@@ -1,0 +1,148 @@
+"""The HTTP side, over a real socket."""
+
+from collections.abc import Iterator
+
+import httpx
+import numpy as np
+import pytest
+
+from app.problems import MEDIA_TYPE
+from tests.app.fake_service import STATES, FakeService, PageServer, wait_for
+from vision_core.rtdb import records
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[FakeService]:
+    service = FakeService()
+    service.start()
+    yield service
+    service.stop()
+
+
+@pytest.fixture(scope="module")
+def http(service: FakeService) -> Iterator[httpx.Client]:
+    server = PageServer(service)
+    server.start()
+    with httpx.Client(base_url=f"http://{server.address}") as client:
+        wait_for(lambda: client.get("/readyz").status_code == 200)
+        yield client
+    server.stop()
+
+
+def test_healthz(http: httpx.Client) -> None:
+    response = http.get("/healthz")
+    assert (response.status_code, response.json()) == (200, {"status": "ok"})
+
+
+def test_ready(http: httpx.Client) -> None:
+    assert http.get("/readyz").json() == {"ready": True, "reasons": []}
+
+
+def test_not_ready_while_compiling() -> None:
+    service = FakeService(STATES["compiling"])
+    service.write_processes()
+    server = PageServer(service)
+    server.start()
+    with httpx.Client(base_url=f"http://{server.address}") as client:
+        response = client.get("/readyz")
+        status = client.get("/api/v1/status").json()
+        snapshot = client.get("/api/v1/snapshot.jpg")
+    server.stop()
+    assert response.status_code == 503
+    assert response.json() == {"ready": False, "reasons": ["compiling: 3 of 7: label pixels"]}
+    assert status["ready"] is False
+    assert status["source"] is None
+    assert status["cameras"][0]["age_s"] is None
+    assert status["clients"] == []
+    assert snapshot.status_code == 503
+    assert snapshot.headers["content-type"] == MEDIA_TYPE
+    assert snapshot.json()["detail"] == "no image yet"
+
+
+def test_status_tells_everything(http: httpx.Client, service: FakeService) -> None:
+    status = http.get("/api/v1/status").json()
+    assert status["ready"] is True
+    assert status["reasons"] == []
+    assert status["source"] == {"uri": "synthetic", "description": "simulated ceiling camera", "repeats": False}
+    (camera,) = status["cameras"]
+    assert (camera["name"], camera["width_px"], camera["height_px"]) == ("main", 640, 480)
+    assert (camera["robots"], camera["balls"], camera["measured_rate_hz"]) == (10, 1, 30.0)
+    assert 0.0 <= camera["age_s"] < 5.0
+    assert len(status["clients"]) == 10
+    assert status["clients"][2]["dropped"] == 3
+    assert status["lag"] == {"median_ms": 12.4, "max_ms": 19.8}
+    states = {process["name"]: process["state"] for process in status["processes"]}
+    assert states == {
+        "compile": "done",
+        "capture": "running",
+        "perceive": "running",
+        "serve": "running",
+        "web": "running",
+    }
+
+
+def test_snapshot_is_the_newest_picture_in_full_size(http: httpx.Client) -> None:
+    response = http.get("/api/v1/snapshot.jpg")
+    assert response.headers["content-type"] == "image/jpeg"
+    assert response.content.startswith(b"\xff\xd8")
+    size = _jpeg_size(response.content)
+    assert size == (640, 480)
+    assert int(response.headers["x-frame-number"]) > 0
+
+
+def _jpeg_size(data: bytes) -> tuple[int, int]:
+    """From the start-of-frame segment."""
+    at = data.index(b"\xff\xc0")
+    height, width = np.frombuffer(data[at + 5 : at + 9], dtype=">u2")
+    return int(width), int(height)
+
+
+def test_unknown_paths_are_problems(http: httpx.Client) -> None:
+    for path in (
+        "/nothing",
+        "/web/nothing.js",
+        "/api/v1/nothing",
+        "/web/../app/server.py",
+        "/web/%2e%2e/pyproject.toml",
+    ):
+        response = http.get(path)
+        assert response.status_code == 404, path
+        assert response.headers["content-type"] == MEDIA_TYPE
+        assert response.json()["status"] == 404
+    assert http.post("/api/v1/status").json()["title"] == "Method Not Allowed"
+
+
+def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
+    for path in ("/", "/docs", "/web/style.css", "/web/app.js", "/web/docs.js", "/web/favicon.svg"):
+        response = http.get(path)
+        assert response.status_code == 200, path
+        assert "default-src 'self'" in response.headers["content-security-policy"]
+        outside = response.text.replace("http://www.w3.org/2000/svg", "")
+        assert "//cdn" not in outside
+        assert "http://" not in outside
+        assert "https://" not in outside
+
+
+def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
+    api = http.get("/openapi.json").json()
+    assert set(api["paths"]) == {"/healthz", "/readyz", "/api/v1/status", "/api/v1/field", "/api/v1/snapshot.jpg"}
+    for path, methods in api["paths"].items():
+        assert methods["get"]["description"], path
+    camera = api["components"]["schemas"]["Camera"]["properties"]
+    assert camera["reasons"]["description"] == "Why nothing, or too little, is detected."
+
+
+def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
+    field = http.get("/api/v1/field").json()
+    assert field["kinds"]["robot_yellow"] == 48
+    assert field["numbers"] == 5
+    assert {segment["kind"] for segment in field["segments"]} == {1, 2, 3}
+
+
+def test_heartbeat(http: httpx.Client, service: FakeService) -> None:
+    reader = records.task("web").reader(service.store)
+    first = reader.sequence
+    wait_for(lambda: reader.sequence >= first + 2)
+    info = reader.value(service.clock.now())
+    assert info.note == "0 pages open"
+    assert info.missed == 0

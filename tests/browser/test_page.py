@@ -1,0 +1,143 @@
+"""The page in a browser, on a fake service: what a person sees."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.app.fake_service import STATES, FakeService, PageServer, Scene
+
+pytestmark = pytest.mark.browser
+
+TABLET = {"width": 1180, "height": 820}
+DESKTOP = {"width": 1440, "height": 900}
+COLORS_OF_CANVAS = """selector => {
+  const canvas = document.querySelector(selector);
+  const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  const seen = new Set();
+  for (let at = 0; at < data.length; at += 4 * 7) seen.add(data[at] << 16 | data[at + 1] << 8 | data[at + 2]);
+  return seen.size;
+}"""
+"""How many colors a canvas shows: 1 when nothing is drawn."""
+
+
+class Watched:
+    """A page and everything it complains about."""
+
+    def __init__(self, browser: Browser, address: str, size: dict[str, int], scheme: str = "light") -> None:
+        self.complaints: list[str] = []
+        self.page: Page = browser.new_page(viewport=size, color_scheme=scheme)  # type: ignore[arg-type]
+        self.page.on(
+            "console", lambda message: self.complaints.append(message.text) if message.type == "error" else None
+        )
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("requestfailed", lambda request: self.complaints.append(request.url))
+        self.page.goto(f"http://{address}/")
+
+
+@pytest.fixture
+def service(request: pytest.FixtureRequest) -> Iterator[FakeService]:
+    service = FakeService(getattr(request, "param", Scene()))
+    service.start()
+    yield service
+    service.stop()
+
+
+@pytest.fixture
+def server(service: FakeService) -> Iterator[PageServer]:
+    server = PageServer(service)
+    server.start()
+    yield server
+    server.stop()
+
+
+@pytest.mark.parametrize(("size", "scheme"), [(TABLET, "dark"), (DESKTOP, "light")])
+def test_it_shows_picture_field_and_ten_views(
+    browser: Browser, server: PageServer, size: dict[str, int], scheme: str
+) -> None:
+    watched = Watched(browser, server.address, size, scheme)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    expect(page.locator(".tile")).to_have_count(10)
+    expect(page.locator("#clients tr")).to_have_count(10)
+    expect(page.locator("#camera-rate")).to_have_text("30.0 Hz")
+    expect(page.locator("#picture-empty")).to_be_hidden()
+    page.wait_for_function("document.querySelector('#picture-age').textContent.endsWith('ms')")
+    assert page.evaluate(COLORS_OF_CANVAS, "#picture") > 20
+    assert page.evaluate(COLORS_OF_CANVAS, "#field") > 5
+    for index in range(1, 11):
+        assert page.evaluate(COLORS_OF_CANVAS, f".tile:nth-child({index}) canvas") > 3
+    overflow = "document.documentElement.scrollWidth - innerWidth + document.documentElement.scrollHeight - innerHeight"
+    assert page.evaluate(overflow) == 0, "everything fits on the screen"
+    assert watched.complaints == []
+    page.close()
+
+
+def test_a_robot_is_chosen_by_keyboard_and_by_click(browser: Browser, server: PageServer) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    tile = page.locator(".tile.blue").nth(1)
+    tile.focus()
+    page.keyboard.press("Enter")
+    expect(tile).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("#selected")).to_contain_text("blue 2")
+    page.locator(".tile.yellow").nth(0).click()
+    expect(tile).to_have_attribute("aria-pressed", "false")
+    expect(page.locator("#selected")).to_contain_text("yellow 1")
+    assert watched.complaints == []
+    page.close()
+
+
+def test_it_survives_a_restart_of_the_server(browser: Browser, service: FakeService, server: PageServer) -> None:
+    first = PageServer(service)
+    first.start()
+    watched = Watched(browser, first.address, TABLET)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    first.stop()
+    expect(page.locator("#verdict")).to_have_text("connection lost")
+    expect(page.locator("#reasons")).to_have_text("trying again")
+    expect(page.locator("#picture-stale")).to_be_visible()
+    second = PageServer(service, int(first.address.rpartition(":")[2]))
+    second.start()
+    expect(page.locator("#verdict")).to_have_text("ready", timeout=10_000)
+    expect(page.locator("#picture-stale")).to_be_hidden()
+    page.close()
+    second.stop()
+
+
+@pytest.mark.parametrize("service", [STATES["compiling"]], indirect=True)
+def test_it_says_what_it_waits_for(browser: Browser, server: PageServer) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("not ready")
+    expect(page.locator("#reasons")).to_have_text("compiling: 3 of 7: label pixels")
+    expect(page.locator("#picture-empty")).to_have_text("compiling: 3 of 7: label pixels")
+    expect(page.locator("#no-clients")).to_contain_text("(init blue 1)")
+    assert watched.complaints == []
+    page.close()
+
+
+def test_a_camera_that_stops_is_shown_as_stale(browser: Browser, service: FakeService, server: PageServer) -> None:
+    watched = Watched(browser, server.address, TABLET)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    service.scene.image = False
+    expect(page.locator("#verdict")).to_have_text("not ready")
+    expect(page.locator("#reasons")).to_contain_text("the camera's image is")
+    expect(page.locator("#picture-stale")).to_be_visible()
+    expect(page.locator("#field-stale")).to_be_visible()
+    assert watched.complaints == []
+    page.close()
+
+
+def test_the_documentation_needs_no_internet(browser: Browser, server: PageServer) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    page.get_by_role("link", name="API").click()
+    page.locator("summary", has_text="/api/v1/status").click()
+    page.get_by_role("button", name="Ask the service").locator("visible=true").click()
+    expect(page.locator("pre")).to_contain_text('"ready": true')
+    expect(page.locator("#schemas details", has_text="Camera").first).to_be_attached()
+    assert watched.complaints == []
+    page.close()
