@@ -5,7 +5,7 @@ from pydantic import BaseModel, ConfigDict
 from app.blackboard import Readings
 from app.readiness import reasons_not_ready
 from vision_core.clock import seconds_between
-from vision_core.rtdb.records import ClientInfo, ProcessInfo
+from vision_core.rtdb.records import ClientInfo, ProcessInfo, Serving
 from vision_core.types.objects import Team
 
 
@@ -130,10 +130,16 @@ def status_from(readings: Readings) -> Status:
         source=source and Source(uri=source.uri, description=source.description, repeats=source.repeats),
         cameras=[_camera(readings)],
         clients=[_client(client, readings) for client in serving.clients] if serving else [],
-        lag=Lag(median_ms=serving.lag_median_ms, max_ms=serving.lag_max_ms) if serving and serving.clients else None,
+        lag=_lag(serving) if serving else None,
         refused=list(serving.refused) if serving else [],
         processes=[_process(process, readings) for process in _processes(readings)],
     )
+
+
+def _lag(serving: Serving) -> Lag | None:
+    if not any(client.rate_hz for client in serving.clients):
+        return None
+    return Lag(median_ms=serving.lag_median_ms, max_ms=serving.lag_max_ms)
 
 
 def _camera(readings: Readings) -> Camera:

@@ -50,6 +50,7 @@ function onTurn(newState, newPicture) {
 
 async function onLink(open, reason) {
   linked = open;
+  document.body.classList.toggle("lost", !open);
   if (open) {
     ahead = -Infinity;
     await loadField();

@@ -41,7 +41,7 @@ export function makeTiles(parent, field, onChoose) {
 export function drawTile(entry, field, view, client, isChosen) {
   entry.tile.setAttribute("aria-pressed", String(isChosen));
   setText(entry.client, client ? `${client.rate_hz.toFixed(1)}/s${client.dropped ? ` −${client.dropped}` : ""}` : "no client");
-  entry.client.classList.toggle("served", Boolean(client));
+  entry.client.classList.toggle("served", Boolean(client?.rate_hz));
   entry.client.title = client ? `${client.dropped} dropped` : "";
   entry.empty.hidden = Boolean(view);
   setText(entry.ball, !view ? "" : view.ball_px < 0 ? "no\nball" : `${view.ball_px} px\n${view.ball_direction_deg}°`);

@@ -71,7 +71,7 @@ function showProcesses(processes) {
       [String(process.restarts), process.restarts ? "number bad" : "number"],
       [process.pid === null ? "–" : String(process.pid), "number"],
     ]);
-    const detail = [process.detail, process.note].filter(Boolean).join("; ");
+    const detail = [process.state === "done" ? "" : process.detail, process.note].filter(Boolean).join("; ");
     if (detail) rows.push([[detail, "detail"]]);
   }
   fill($("processes"), rows);
