@@ -1,0 +1,73 @@
+"""A camera of this machine, through OpenCV and Video4Linux.
+
+Not yet tried on hardware by its authors: what can be tested without a camera is, the rest follows the
+documentation of OpenCV. A camera that stops delivering is noticed when OpenCV gives up waiting, after 10 s;
+the age of the last image tells so much earlier.
+"""
+
+import numpy as np
+
+from vision_core.capture.playback import check_size
+from vision_core.clock import NS_PER_MS, NS_PER_S, Clock, Instant
+from vision_core.errors import SourceError
+from vision_core.geometry import Bytes
+from vision_core.opencv import open_camera
+from vision_core.settings import CameraSettings
+
+OLDEST_STAMP_NS = NS_PER_S
+STAMP_ROUNDING_NS = NS_PER_MS
+
+
+class DeviceCamera:
+    """A V4L2 camera at the size and rate of the venue. Implements Source.
+
+    Raises SourceError when it does not open, delivers no image, or has another size.
+    """
+
+    repeats = False
+
+    def __init__(self, device: str, camera: CameraSettings, clock: Clock) -> None:
+        self.width_px, self.height_px = camera.width_px, camera.height_px
+        self._device = device
+        self._clock = clock
+        self._last = clock.now()
+        self._video = open_camera(device, camera.width_px, camera.height_px, camera.rate_hz)
+        self.rate_hz = self._video.rate_hz or camera.rate_hz
+        try:
+            check_size(f"camera {device}", (self._video.width_px, self._video.height_px), (self.width_px, self.height_px))
+            self.grab(np.empty((self.height_px, self.width_px, 3), dtype=np.uint8))
+        except SourceError:
+            self.close()
+            raise
+        stamped = driver_instant(self._video.position_ms(), clock.now()) is not None
+        by = "the driver" if stamped else "our own clock after the grab: the driver gives none"
+        self.description = f"camera {device}, instants by {by}"
+
+    def grab(self, pixels: Bytes) -> Instant:
+        """The next image, as ``Source.grab``. Raises SourceError when none comes."""
+        if not self._video.read(pixels):
+            raise SourceError(
+                f"camera {self._device}",
+                found="no image, or one of another size",
+                accepted=f"images of {self.width_px}x{self.height_px}",
+            )
+        now = self._clock.now()
+        stamp = driver_instant(self._video.position_ms(), now) or now
+        self._last = Instant(max(stamp, self._last + 1))
+        return self._last
+
+    def close(self) -> None:
+        """Give the device back."""
+        self._video.close()
+
+
+def driver_instant(stamp_ms: float, now: Instant) -> Instant | None:
+    """The instant of a driver's stamp [ms], or None when it is none.
+
+    Linux stamps buffers by CLOCK_MONOTONIC, which is our clock. Some drivers stamp by the wall clock or
+    from zero: what is older than a second, or lies in the future, is not believed.
+    """
+    stamp = round(stamp_ms * NS_PER_MS)
+    if now - OLDEST_STAMP_NS <= stamp <= now:
+        return Instant(stamp)
+    return now if now < stamp <= now + STAMP_ROUNDING_NS else None

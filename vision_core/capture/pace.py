@@ -1,0 +1,48 @@
+"""One rate keeper on an absolute grid: start + k * period, k = 0, 1, 2, ...
+
+A relative sleep drifts, and one that starts again at "now" forgets the grid. Here period k is over when
+its instant has passed: it is left out and counted, and nobody hurries after it.
+"""
+
+import time
+from collections.abc import Callable
+
+from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock, seconds_between
+
+
+class RateKeeper:
+    """Waits for the instants of a grid that begins when it is made."""
+
+    def __init__(self, rate_hz: float, clock: Clock, sleep: Callable[[float], None] = time.sleep) -> None:
+        self.rate_hz = rate_hz
+        self.number = -1
+        """Of the period that ``wait`` returned last, the skipped ones counted."""
+        self.skipped = 0
+        self._clock = clock
+        self._sleep = sleep
+        self._start = clock.now()
+
+    def wait(self) -> Instant:
+        """Sleep until the next instant of the grid that is not over, and return it: always later than the last."""
+        now = self._clock.now()
+        due = self.number + 1
+        number = max(due, int(seconds_between(self._start, now) * self.rate_hz))
+        while self._instant(number) < now:
+            number += 1
+        self.skipped += number - due
+        self.number = number
+        deadline = self._instant(number)
+        while (now := self._clock.now()) < deadline:
+            self._sleep(seconds_between(now, deadline))
+        return deadline
+
+    def _instant(self, number: int) -> Instant:
+        return Instant(self._start + round(number * NS_PER_S / self.rate_hz))
+
+
+def rate_keeper(rate_hz: float, clock: Clock, *, paced: bool) -> RateKeeper:
+    """A keeper in real time or, not paced, in virtual time that starts now and moves as fast as it is asked."""
+    if paced:
+        return RateKeeper(rate_hz, clock)
+    virtual = ManualClock(clock.now())
+    return RateKeeper(rate_hz, virtual, virtual.advance)

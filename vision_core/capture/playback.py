@@ -1,0 +1,115 @@
+"""Images from files: a picture, a folder of pictures, a video. All of them begin again at their end."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vision_core.capture.pace import RateKeeper, rate_keeper
+from vision_core.clock import Clock, Instant
+from vision_core.errors import SourceError
+from vision_core.geometry import Bytes
+from vision_core.opencv import Video, open_video, read_picture
+from vision_core.settings import CameraSettings
+
+PICTURES = frozenset({".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"})
+
+
+class Pictures:
+    """One picture or several in turn, at the camera's rate. Implements Source."""
+
+    repeats = True
+
+    def __init__(self, paths: Sequence[Path], description: str, camera: CameraSettings, keeper: RateKeeper) -> None:
+        self.description = description
+        self.width_px, self.height_px, self.rate_hz = camera.width_px, camera.height_px, camera.rate_hz
+        self._paths = paths
+        self._keeper = keeper
+        self._next = 0
+        self._open_path, self._open_picture = paths[0], self._read(paths[0])
+
+    def grab(self, pixels: Bytes) -> Instant:
+        """The next picture, as ``Source.grab``. Raises SourceError when it cannot be read or has another size."""
+        instant = self._keeper.wait()
+        path = self._paths[self._next % len(self._paths)]
+        self._next += 1
+        if path != self._open_path:
+            self._open_path, self._open_picture = path, self._read(path)
+        np.copyto(pixels, self._open_picture)
+        return instant
+
+    def close(self) -> None:
+        """Nothing is held open."""
+
+    def _read(self, path: Path) -> Bytes:
+        picture = read_picture(path)
+        height, width, _ = picture.shape
+        check_size(f"picture {path}", (width, height), (self.width_px, self.height_px))
+        return picture
+
+
+class VideoPlayback:
+    """A video at its own rate, so that what moves keeps its speed: a late reader misses frames. Implements Source."""
+
+    repeats = True
+
+    def __init__(self, path: Path, camera: CameraSettings, clock: Clock, *, paced: bool) -> None:
+        self._path = path
+        self._video = self._open()
+        check_size(f"video {path}", (self._video.width_px, self._video.height_px), (camera.width_px, camera.height_px))
+        self.width_px, self.height_px = camera.width_px, camera.height_px
+        self.rate_hz = self._video.rate_hz or camera.rate_hz
+        self.description = f"video {path.name} at {self.rate_hz:g} Hz, looped"
+        self._keeper = rate_keeper(self.rate_hz, clock, paced=paced)
+        self._shown = -1
+
+    def grab(self, pixels: Bytes) -> Instant:
+        """The next frame, as ``Source.grab``. Raises SourceError when the file has no frame any more."""
+        instant = self._keeper.wait()
+        missed = min(self._keeper.number - self._shown - 1, round(self.rate_hz))
+        self._shown = self._keeper.number
+        for _ in range(missed):
+            if not self._video.skip():
+                self._rewind()
+        if not self._video.read(pixels):
+            self._rewind()
+            if not self._video.read(pixels):
+                raise SourceError(f"video {self._path}", found="no frame that can be decoded", accepted="a video")
+        return instant
+
+    def close(self) -> None:
+        """Close the file."""
+        self._video.close()
+
+    def _open(self) -> Video:
+        return open_video(self._path)
+
+    def _rewind(self) -> None:
+        self._video.close()
+        self._video = self._open()
+
+
+def open_file(path: Path, camera: CameraSettings, clock: Clock, *, paced: bool) -> Pictures | VideoPlayback:
+    """A picture, a folder or a video. Raises SourceError when there is none, or its size is not the camera's."""
+    if path.is_dir():
+        paths = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURES)
+        if not paths:
+            raise SourceError(f"folder {path}", found="no picture in it", accepted=", ".join(sorted(PICTURES)))
+        keeper = rate_keeper(camera.rate_hz, clock, paced=paced)
+        return Pictures(paths, f"{len(paths)} pictures of {path.name}, looped", camera, keeper)
+    if not path.exists():
+        raise SourceError(f"file {path}", found="no such file or folder", accepted="a picture, a folder or a video")
+    if path.suffix.lower() in PICTURES:
+        keeper = rate_keeper(camera.rate_hz, clock, paced=paced)
+        return Pictures([path], f"picture {path.name}", camera, keeper)
+    return VideoPlayback(path, camera, clock, paced=paced)
+
+
+def check_size(asked: str, found_px: tuple[int, int], wanted_px: tuple[int, int]) -> None:
+    """Raise SourceError unless width and height [px] are those of the venue: its calibration fits no other."""
+    if found_px != wanted_px:
+        raise SourceError(
+            asked,
+            found=f"{found_px[0]}x{found_px[1]} px",
+            accepted=f"{wanted_px[0]}x{wanted_px[1]} (camera.width_px, camera.height_px of the venue)",
+        )

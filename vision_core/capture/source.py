@@ -1,0 +1,60 @@
+"""What a source of images is, and which one an address means."""
+
+from pathlib import Path
+from typing import Protocol
+
+from vision_core.clock import Clock, Instant
+from vision_core.errors import SourceError
+from vision_core.geometry import Bytes
+from vision_core.settings import Settings
+
+ACCEPTED = "synthetic, file:<picture, folder or video>, camera:<number or path of the device>"
+
+
+class Source(Protocol):
+    """Delivers images of one size, one after the other."""
+
+    description: str
+    """What status shows, "synthetic, seed 1"."""
+    repeats: bool
+    """Shows the same again by nature (a still, a looped video): no sign of a frozen camera."""
+    width_px: int
+    height_px: int
+    rate_hz: float
+
+    def grab(self, pixels: Bytes) -> Instant:
+        """Wait for the next image, write it into pixels, and return when it was grabbed.
+
+        pixels: shape (height, width, 3), blue green red; a place in shared memory that is the source's only
+        during the call. Instants strictly increase. Raises SourceError when the source is gone.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give the device or file back."""
+        ...
+
+
+def open_source(settings: Settings, clock: Clock, *, paced: bool = True) -> Source:
+    """The source that ``source.uri`` names.
+
+    paced: in real time; otherwise files and the simulated camera deliver as fast as they are asked, at the
+    instants of a virtual clock that starts now. Raises SourceError when the address means nothing, the
+    device or file cannot be opened, or its size is not the camera's.
+    """
+    uri = settings.source.uri
+    kind, _, rest = uri.partition(":")
+    # each kind brings its own libraries: a camera needs no compiler, a simulation no codecs
+    if uri == "synthetic":
+        from vision_core.capture.synthetic.camera import SyntheticCamera
+
+        return SyntheticCamera(settings, clock, paced=paced)
+    if kind == "file" and rest:
+        from vision_core.capture.playback import open_file
+
+        return open_file(Path(rest), settings.camera, clock, paced=paced)
+    if kind == "camera" and rest:
+        from vision_core.capture.camera import DeviceCamera
+
+        return DeviceCamera(rest, settings.camera, clock)
+    raise SourceError("source.uri", found=repr(uri), accepted=ACCEPTED)

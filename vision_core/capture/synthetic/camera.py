@@ -1,0 +1,69 @@
+"""The simulated ceiling camera as a source of images."""
+
+from functools import cached_property
+
+from vision_core.camera_model import PinholeCamera
+from vision_core.capture.pace import rate_keeper
+from vision_core.capture.synthetic.render import Renderer
+from vision_core.capture.synthetic.truth import Truth, truth_of
+from vision_core.capture.synthetic.world import Snapshot, World
+from vision_core.clock import Clock, Instant
+from vision_core.errors import SourceError
+from vision_core.geometry import Bytes
+from vision_core.settings import Settings
+from vision_core.settings_models import camera_model_from
+
+LONGEST_LEAP_S = 1.0
+"""A machine that was asleep need not live through the match that it missed."""
+
+
+class SyntheticCamera:
+    """Renders a world that plays at the camera's rate. Implements Source.
+
+    The world starts with the first image; skipped periods pass in it too. Raises SourceError when the
+    settings describe no lens, or robots that wear what the pattern lacks.
+    """
+
+    repeats = False
+
+    def __init__(self, settings: Settings, clock: Clock, *, paced: bool) -> None:
+        model = camera_model_from(settings)
+        if not isinstance(model, PinholeCamera):
+            raise SourceError(
+                "source.uri = synthetic with camera.model", found=settings.camera.model, accepted="pinhole: a lens to render"
+            )
+        self.width_px, self.height_px = settings.camera.width_px, settings.camera.height_px
+        self.rate_hz = settings.camera.rate_hz
+        self.description = f"synthetic, seed {settings.synthetic.seed}"
+        self._settings = settings
+        self._model = model
+        self._world = World(settings)
+        self._keeper = rate_keeper(self.rate_hz, clock, paced=paced)
+        self._shown = 0
+        self._last: tuple[Instant, Snapshot] | None = None
+
+    @cached_property
+    def _renderer(self) -> Renderer:
+        return Renderer(self._settings, self._model, self._world.robots_worn)
+
+    @property
+    def truth(self) -> Truth:
+        """What the last image shows, for scoring. Raises SourceError before the first."""
+        if self._last is None:
+            raise SourceError("truth of the synthetic camera", found="no image yet", accepted="a call of grab before")
+        instant, scene = self._last
+        return truth_of(instant, scene, self._world.robots_worn, self._model, self._settings)
+
+    def grab(self, pixels: Bytes) -> Instant:
+        """Render the next image, as ``Source.grab``; the instant is the middle of its exposure."""
+        renderer = self._renderer
+        instant = self._keeper.wait()
+        self._world.advance(min((self._keeper.number - self._shown) / self.rate_hz, LONGEST_LEAP_S))
+        self._shown = self._keeper.number
+        scene = self._world.snapshot()
+        self._last = instant, scene
+        renderer.draw(pixels, scene)
+        return instant
+
+    def close(self) -> None:
+        """Nothing is held open."""

@@ -1,0 +1,200 @@
+"""What a camera sees of a field where nothing moves: kernels that color the rays of every pixel once."""
+
+import math
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.geometry import Floats
+from vision_core.kernels import kernel
+
+FloatImage: TypeAlias = NDArray[np.float32]
+
+GRID = 4
+"""Samples per pixel and axis."""
+DEPTHS = 8
+"""Heights at which a ray is tried against walls and goals."""
+
+NOTHING, WALL, GOAL_LEFT, GOAL_RIGHT = range(4)
+CARPET, LINE, WOOD, BOARD, FACE, NET_LEFT, NET_RIGHT, DARK = range(8)
+COLORS = np.array(
+    [
+        [50, 105, 40],  # carpet
+        [228, 236, 232],  # paint of the lines
+        [110, 148, 178],  # wooden floor beside the field
+        [222, 226, 228],  # top of the boards
+        [176, 184, 186],  # their inner face
+        [84, 60, 52],  # goals, darker than any marker
+        [54, 76, 84],
+        [18, 18, 18],  # above the horizon
+    ],
+    dtype=np.float64,
+)
+"""Blue green red of every material in the middle of the light."""
+
+RECTANGLE, DISC = range(2)
+THING_COLUMNS = 10
+"""Of a thing on the floor: kind, x, y, cos, sin, half length (or radius), half width, blue, green, red."""
+
+
+class Venue(NamedTuple):
+    """The measures that the kernels need [m]."""
+
+    half_x: float
+    half_y: float
+    corner_cut: float
+    walls: bool
+    height: float
+    """Of walls and goals."""
+    thickness: float
+    goal_x: float
+    goal_half: float
+    goal_depth: float
+    carpet_x: float
+    carpet_y: float
+    line_half: float
+    shadows: float
+
+
+@kernel
+def color_floor(
+    image: FloatImage, floor: FloatImage, eye: Floats, venue: Venue,
+    lines: Floats, arcs: Floats, things: Floats, colors: Floats,
+) -> None:  # fmt: skip
+    """Color every pixel by the mean of its rays.
+
+    image: shape (height, width, 3), filled; floor: where the rays of pixels -1 .. width and -1 .. height meet
+    the floor, shape (height + 2, width + 2, 2) [m]; eye: optical center, shape (3,); lines: x1, y1, x2, y2,
+    shape (n, 4); arcs: x, y, radius, start, end, shape (m, 5); things: shape (k, 10).
+    """
+    shade = np.zeros(len(colors))
+    color = np.zeros(3)
+    for v in range(image.shape[0]):
+        for u in range(image.shape[1]):
+            x, y = floor[v + 1, u + 1]
+            ux, uy = (floor[v + 1, u + 2] - floor[v + 1, u]) * 0.5
+            vx, vy = (floor[v + 2, u + 1] - floor[v, u + 1]) * 0.5
+            _shade(shade, venue, x, y)
+            image[v, u] = 0.0
+            for sample in range(GRID * GRID):
+                du = (sample % GRID + 0.5) / GRID - 0.5
+                dv = (sample // GRID + 0.5) / GRID - 0.5
+                _color_ray(
+                    color, venue, eye, x + du * ux + dv * vx, y + du * uy + dv * vy, lines, arcs, things, colors, shade
+                )
+                for channel in range(3):
+                    image[v, u, channel] += color[channel] / (GRID * GRID)
+
+
+@kernel
+def _color_ray(
+    color: Floats, venue: Venue, eye: Floats, x: float, y: float,
+    lines: Floats, arcs: Floats, things: Floats, colors: Floats, shade: Floats,
+) -> None:  # fmt: skip
+    """The color of the ray that would meet the floor at x, y."""
+    material = _material(venue, eye, x, y, lines, arcs)
+    color[:] = colors[material] * shade[material]
+    if material != WOOD:
+        return
+    for i in range(len(things)):
+        dx, dy = x - things[i, 1], y - things[i, 2]
+        along = things[i, 3] * dx + things[i, 4] * dy
+        across = things[i, 3] * dy - things[i, 4] * dx
+        if things[i, 0] == DISC:
+            inside = dx * dx + dy * dy <= things[i, 5] ** 2
+        else:
+            inside = abs(along) <= things[i, 5] and abs(across) <= things[i, 6]
+        if inside:
+            color[:] = things[i, 7:]
+
+
+@kernel
+def _material(venue: Venue, eye: Floats, x: float, y: float, lines: Floats, arcs: Floats) -> int:
+    if not (math.isfinite(x) and math.isfinite(y)):
+        return DARK
+    if abs(x) >= min(venue.goal_x, venue.half_x) or abs(y) >= venue.half_y or venue.corner_cut > 0.0:
+        for depth in range(DEPTHS + 1):
+            lift = venue.height * (1.0 - depth / DEPTHS) / eye[2]
+            solid = solid_at(venue, x + (eye[0] - x) * lift, y + (eye[1] - y) * lift)
+            if solid == WALL:
+                return BOARD if depth == 0 else FACE
+            if solid != NOTHING:
+                return BOARD if depth == 0 else (NET_LEFT if solid == GOAL_LEFT else NET_RIGHT)
+    if abs(x) > venue.carpet_x or abs(y) > venue.carpet_y:
+        in_goal = abs(x) < venue.goal_x + venue.goal_depth and abs(y) < venue.goal_half
+        return CARPET if in_goal else WOOD
+    return LINE if _on_line(venue.line_half, x, y, lines, arcs) else CARPET
+
+
+@kernel
+def solid_at(venue: Venue, x: float, y: float) -> int:
+    """What stands at a point of the floor: nothing, a wall or a goal."""
+    ax, ay = abs(x), abs(y)
+    deep, wide, thick = venue.goal_x + venue.goal_depth, venue.goal_half, venue.thickness
+    has_goal = venue.goal_depth > 0.0 and wide > 0.0
+    if has_goal and ay < wide and venue.goal_x <= ax < deep:
+        return NOTHING
+    if venue.walls:
+        diagonal = venue.half_x + venue.half_y - venue.corner_cut
+        if ax < venue.half_x and ay < venue.half_y and ax + ay < diagonal:
+            return NOTHING
+        if ax < venue.half_x + thick and ay < venue.half_y + thick and ax + ay < diagonal + 1.4142 * thick:
+            return WALL
+    if has_goal and ay < wide + thick and venue.goal_x <= ax < deep + thick:
+        return GOAL_LEFT if x < 0.0 else GOAL_RIGHT
+    return NOTHING
+
+
+@kernel
+def _on_line(half: float, x: float, y: float, lines: Floats, arcs: Floats) -> bool:
+    for i in range(len(lines)):
+        dx, dy = lines[i, 2] - lines[i, 0], lines[i, 3] - lines[i, 1]
+        length = math.hypot(dx, dy)
+        px, py = x - lines[i, 0], y - lines[i, 1]
+        along, across = (px * dx + py * dy) / length, (py * dx - px * dy) / length
+        if -half <= along <= length + half and abs(across) <= half:
+            return True
+    for i in range(len(arcs)):
+        dx, dy = x - arcs[i, 0], y - arcs[i, 1]
+        turned = (math.atan2(dy, dx) - arcs[i, 3]) % (2.0 * math.pi)
+        if abs(math.hypot(dx, dy) - arcs[i, 2]) <= half and turned <= arcs[i, 4] - arcs[i, 3]:
+            return True
+    return False
+
+
+@kernel
+def _shade(shade: Floats, venue: Venue, x: float, y: float) -> None:
+    """How much lighter or darker every material is round a point: pile, wear, planks, shadows of the walls."""
+    shade[:] = 1.0
+    shade[CARPET] += 0.05 * mottle(x, y, 0.007, 1) + 0.05 * mottle(x, y, 0.03, 2) + 0.05 * mottle(x, y, 0.4, 3)
+    shade[LINE] += 0.05 * mottle(x, y, 0.02, 4)
+    plank = math.floor(y / 0.09)
+    board = math.floor((x + 0.37 * (plank % 7)) / 0.6)
+    shade[WOOD] += 0.10 * _grain(board, plank, 5) + 0.03 * mottle(x * 0.1, y, 0.006, 6)
+    shade[BOARD] += 0.02 * mottle(x, y, 0.05, 7)
+    if venue.walls:
+        near = max(min(venue.half_x - abs(x), venue.half_y - abs(y)), 0.0)
+        dim = 1.0 - 0.6 * venue.shadows * math.exp(-near / 0.04)
+        shade[CARPET] *= dim
+        shade[LINE] *= dim
+
+
+@kernel
+def mottle(x: float, y: float, size: float, seed: int) -> float:
+    """Smooth noise in -1..1 with spots of a size [m]: values of a lattice, interpolated."""
+    gx, gy = x / size, y / size
+    ix, iy = math.floor(gx), math.floor(gy)
+    fx, fy = gx - ix, gy - iy
+    fx, fy = fx * fx * (3.0 - 2.0 * fx), fy * fy * (3.0 - 2.0 * fy)
+    low = _grain(ix, iy, seed) * (1.0 - fx) + _grain(ix + 1, iy, seed) * fx
+    high = _grain(ix, iy + 1, seed) * (1.0 - fx) + _grain(ix + 1, iy + 1, seed) * fx
+    return low * (1.0 - fy) + high * fy
+
+
+@kernel
+def _grain(ix: float, iy: float, seed: int) -> float:
+    """A fixed random number in -1..1 for every point of a lattice (a multiplicative hash)."""
+    mixed = (np.int64(ix) * 374761393 + np.int64(iy) * 668265263 + seed * 974634777) & 0xFFFFFFFF
+    mixed = ((mixed ^ (mixed >> 13)) * 1274126177) & 0xFFFFFFFF
+    return ((mixed ^ (mixed >> 16)) & 0xFFFF) / 32767.5 - 1.0

@@ -1,0 +1,186 @@
+"""Draws a snapshot of the world as the camera sees it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.camera_model import PinholeCamera
+from vision_core.capture.synthetic.background import make_background
+from vision_core.capture.synthetic.noise import SensorNoise
+from vision_core.capture.synthetic.physics import FRONT, no_bodies
+from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, draw_ball, draw_prism, draw_shadow
+from vision_core.capture.synthetic.world import Snapshot
+from vision_core.errors import SourceError
+from vision_core.geometry import Bytes, Floats
+from vision_core.pattern_files import Pattern, load_pattern
+from vision_core.settings import Settings
+from vision_core.types.objects import Team
+
+PAINTS_BGR = {
+    "blue": (200, 90, 20),
+    "yellow": (40, 210, 235),
+    "green": (90, 225, 60),
+    "pink": (190, 70, 235),
+    "orange": (30, 120, 250),
+    "red": (40, 40, 220),
+    "cyan": (220, 210, 40),
+    "purple": (170, 50, 120),
+    "white": (235, 235, 235),
+}
+"""What markers and balls are painted with."""
+PLATE_BGR, BODY_BGR = (52, 50, 50), (30, 29, 30)
+TROUSERS_BGR, SHOE_BGR = (92, 66, 54), (44, 42, 46)
+
+TIME_ORDER = np.array([[16, 3, 2, 13], [5, 10, 11, 8], [9, 6, 7, 12], [4, 15, 14, 1]])
+"""When each of a pixel's 4x4 rays is taken. A magic square: every row and column has the same mean time,
+so that motion smears a thing and does not move it."""
+
+SHADOW_SOFTNESS_M = 0.03
+LEG_M, SHOE_M = (0.055, 0.5), (0.048, 0.07)
+"""Radius and height."""
+RIM = np.column_stack([np.cos(np.arange(8) * math.pi / 4.0), np.sin(np.arange(8) * math.pi / 4.0)]) / math.cos(
+    math.pi / 8.0
+)
+"""Corners of an octagon round the unit circle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """A prism's shape and colors."""
+
+    radius_m: float
+    front_m: float
+    height_m: float
+    colors: Floats
+    """Top, side and every dot, shape (2 + k, 3)."""
+    dots: Floats
+    """x, y, radius [m], shape (k, 3)."""
+
+
+class Renderer:
+    """Renders for one camera and venue. Making it takes a moment: the empty venue is rendered then."""
+
+    def __init__(self, settings: Settings, camera: PinholeCamera, worn: tuple[tuple[Team, int], ...]) -> None:
+        self._camera = camera
+        self._eye = np.array(camera.position_m)
+        self._background = make_background(settings, camera)
+        self._noise = SensorNoise(settings.synthetic, self._background.pixels.size)
+        exposure_s = settings.synthetic.exposure_ms * 1e-3
+        self._half_exposure_s = 0.5 * exposure_s
+        self._samples = _samples(exposure_s)
+        self._shadows = settings.synthetic.shadows
+        self._ball_radius_m = settings.ball.radius_m
+        self._ball_color = np.array(_paint(settings.ball.color, "ball.color"), dtype=np.float64)
+        pattern = load_pattern(settings.robots.pattern)
+        self._looks = [_robot_look(settings, pattern, team, worn_id) for team, worn_id in worn]
+
+    def draw(self, pixels: Bytes, scene: Snapshot) -> None:
+        """Fill pixels, shape (height, width, 3), with the image of a scene."""
+        np.copyto(pixels, self._background.pixels)
+        feet, foot_looks = _prisms_of_feet(scene.feet)
+        bodies = np.concatenate([feet, scene.robots, scene.ball[None]])
+        looks = [*foot_looks, *self._looks]
+        ball = len(looks)
+        radii = np.array([*(look.radius_m for look in looks), self._ball_radius_m])
+        heights = np.array([*(look.height_m for look in looks), 2.0 * self._ball_radius_m])
+        reach = radii + self._half_exposure_s * np.hypot(bodies[:, 3], bodies[:, 4])
+        windows = self._windows(pixels, bodies[:, :2], bodies[:, :2], reach, heights)
+        self._draw_shadows(pixels, bodies, radii, heights)
+        far = bodies[:, :2] - self._eye[:2]
+        order: list[int] = np.argsort(-np.hypot(far[:, 0], far[:, 1]), kind="stable").tolist()
+        still = self._background
+        for i in order:
+            if i == ball:
+                draw_ball(
+                    pixels, still.floor, still.light, windows[i], self._eye, self._samples,
+                    bodies[i], self._ball_radius_m, self._ball_color,
+                )  # fmt: skip
+            else:
+                look = looks[i]
+                draw_prism(
+                    pixels, still.floor, still.light, windows[i], self._eye, self._samples,
+                    bodies[i], look.radius_m, look.front_m, look.height_m, look.colors, look.dots,
+                )  # fmt: skip
+        self._noise.add(pixels)
+
+    def _draw_shadows(self, pixels: Bytes, bodies: Floats, radii: Floats, heights: Floats) -> None:
+        if not self._shadows:
+            return
+        cast = np.outer(np.minimum(heights, 1.5 * radii), [-LIGHT_X / LIGHT_Z, -LIGHT_Y / LIGHT_Z])
+        bases, tips = bodies[:, :2].copy(), bodies[:, :2] + cast
+        windows = self._windows(pixels, bases, tips, radii + SHADOW_SOFTNESS_M, np.zeros(len(radii)))
+        for i, radius in enumerate(radii):
+            softness = min(SHADOW_SOFTNESS_M, 0.5 * radius)
+            draw_shadow(pixels, self._background.floor, windows[i], bases[i], tips[i], radius, softness, self._shadows)
+
+    def _windows(
+        self, pixels: Bytes, bases: Floats, tops: Floats, reach: Floats, heights: Floats
+    ) -> NDArray[np.int64]:  # fmt: skip
+        """Boxes round discs on the floor and above it, cut to the image: u0, v0, u1, v1, shape (n, 4) [px]."""
+        rims = reach[:, None, None] * RIM
+        low = (bases[:, None] + rims).reshape(-1, 2)
+        high = (tops[:, None] + rims).reshape(-1, 2)
+        levels = np.concatenate([np.zeros(len(low)), np.repeat(heights, len(RIM))])
+        seen = self._camera.pixel_from_field(np.concatenate([low, high]), levels)
+        seen = seen.reshape(2, len(bases), len(RIM), 2).transpose(1, 0, 2, 3).reshape(len(bases), -1, 2)
+        height, width, _ = pixels.shape
+        corners = np.concatenate([np.floor(seen.min(axis=1)) - 1.0, np.ceil(seen.max(axis=1)) + 2.0], axis=1)
+        limits = np.array([width, height, width, height])
+        return np.nan_to_num(corners).clip(0, limits).astype(np.int64)
+
+
+def _samples(exposure_s: float) -> Floats:
+    """Offsets in the pixel and in time of its 16 rays, shape (16, 3) [px, px, s]."""
+    side = (np.arange(4) + 0.5) / 4.0 - 0.5
+    v, u = np.meshgrid(side, side, indexing="ij")
+    times = ((TIME_ORDER - 0.5) / 16.0 - 0.5) * exposure_s
+    return np.column_stack([u.ravel(), v.ravel(), times.ravel()])
+
+
+def _robot_look(settings: Settings, pattern: Pattern, team: Team, worn_id: int) -> Look:
+    code = pattern.code_by_id.get(worn_id)
+    if code is None:
+        raise SourceError(
+            f"synthetic: {team} robot with marker id {worn_id}",
+            found=f"no such id in pattern {pattern.name}",
+            accepted=", ".join(pattern.ids),
+        )
+    names = {name[0].upper(): name for name in pattern.dot_colors}
+    paints = [PLATE_BGR, BODY_BGR, _paint(team, "team"), *(_paint(names[letter], "dot_colors") for letter in code)]
+    dots = [(0.0, 0.0, pattern.center_diameter_mm / 2.0), *((x, y, pattern.dot_diameter_mm / 2.0) for x, y in pattern.dots_mm)]
+    radius = settings.robots.radius_m
+    return Look(radius, FRONT * radius, settings.robots.height_m, np.array(paints, dtype=np.float64), np.array(dots) / 1e3)
+
+
+def _paint(name: str, asked: str) -> tuple[int, int, int]:
+    if name not in PAINTS_BGR:
+        raise SourceError(f"synthetic: paint for {asked}", found=name, accepted=", ".join(PAINTS_BGR))
+    return PAINTS_BGR[name]
+
+
+def _plain(size_m: tuple[float, float], bgr: tuple[int, int, int]) -> Look:
+    """A cylinder of one color."""
+    radius, height = size_m
+    return Look(radius, math.inf, height, np.array([bgr, bgr], dtype=np.float64), np.empty((0, 3)))
+
+
+FOOT_PARTS = (
+    *((along_m, _plain(SHOE_M, SHOE_BGR)) for along_m in (0.0, 0.07, 0.14)),
+    (0.0, _plain(LEG_M, TROUSERS_BGR)),
+)
+"""A foot is a shoe of three discs and the leg above; how far forward each lies [m], and its look."""
+
+
+def _prisms_of_feet(feet: Floats) -> tuple[Floats, list[Look]]:
+    """All parts of all feet, shape (4 m, 6), and what they look like."""
+    parts = no_bodies(len(feet) * len(FOOT_PARTS))
+    looks = []
+    for i, foot in enumerate(feet):
+        for j, (along_m, look) in enumerate(FOOT_PARTS):
+            part = parts[i * len(FOOT_PARTS) + j]
+            part[:] = foot
+            part[:2] += along_m * np.array([math.cos(foot[2]), math.sin(foot[2])])
+            looks.append(look)
+    return parts, looks

@@ -1,0 +1,125 @@
+"""What the simulated camera knows of its own image. For scoring only: nothing that perceives may see it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision_core.camera_model import CameraModel
+from vision_core.capture.synthetic.physics import FRONT
+from vision_core.capture.synthetic.sprites import meets_prism
+from vision_core.capture.synthetic.world import Snapshot
+from vision_core.clock import Instant
+from vision_core.geometry import Floats, wrap_angle
+from vision_core.kernels import kernel
+from vision_core.settings import Settings
+from vision_core.types.objects import Team
+
+RINGS, SPOKES = 5, 16
+RIM_POINTS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class RobotTruth:
+    """A robot in the middle of the exposure."""
+
+    team: Team
+    id: int
+    x_m: float
+    y_m: float
+    heading_rad: float
+    in_picture: bool
+    """Its whole top is inside the image."""
+
+
+@dataclass(frozen=True, slots=True)
+class BallTruth:
+    """The ball in the middle of the exposure; x_m, y_m is its point on the floor."""
+
+    x_m: float
+    y_m: float
+    visible_share: float
+    """Of its disc as the camera sees it: inside the image and not hidden by robots, 0..1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Everything about one image."""
+
+    instant: Instant
+    robots: tuple[RobotTruth, ...]
+    ball: BallTruth
+
+
+def truth_of(
+    instant: Instant, scene: Snapshot, worn: tuple[tuple[Team, int], ...], camera: CameraModel, settings: Settings
+) -> Truth:
+    """The truth of a scene; worn: team and marker id of each robot."""
+    inside = _tops_inside(scene.robots, camera, settings)
+    robots = tuple(
+        RobotTruth(team, worn_id, float(body[0]), float(body[1]), wrap_angle(float(body[2])), bool(seen))
+        for (team, worn_id), body, seen in zip(worn, scene.robots, inside, strict=True)
+    )
+    x, y = scene.ball[:2].tolist()
+    return Truth(instant, robots, BallTruth(x, y, visible_share(scene, camera, settings)))
+
+
+def visible_share(scene: Snapshot, camera: CameraModel, settings: Settings) -> float:
+    """The share of the ball's disc, as the camera sees it, that is inside the image and not hidden by a robot."""
+    points = _disc(scene.ball, settings.ball.radius_m, camera.position_m)
+    inside = _in_image(camera.pixel_from_field(points[:, :2], points[:, 2]), settings)
+    radius = settings.robots.radius_m
+    clear = clear_points(
+        points, np.array(camera.position_m), scene.robots, radius, FRONT * radius, settings.robots.height_m
+    )
+    return float((inside & clear).mean())
+
+
+@kernel
+def clear_points(
+    points: Floats, eye: Floats, robots: Floats, radius: float, front: float, height: float
+) -> Floats:  # fmt: skip
+    """Which points, shape (n, 3), no robot hides from the eye; shape (n,)."""
+    clear = np.ones(len(points), dtype=np.bool_)
+    for i in range(len(points)):
+        x, y, z = points[i]
+        lift = (height - z) / (eye[2] - z)
+        for j in range(len(robots)):
+            c, s = math.cos(robots[j, 2]), math.sin(robots[j, 2])
+            dx, dy = x - robots[j, 0], y - robots[j, 1]
+            ex, ey = dx + (eye[0] - x) * lift, dy + (eye[1] - y) * lift
+            near, aside = c * dx + s * dy, c * dy - s * dx
+            if meets_prism(near, aside, c * ex + s * ey, c * ey - s * ex, radius, front):
+                clear[i] = False
+                break
+    return clear
+
+
+def _disc(ball: Floats, radius_m: float, eye: Floats) -> Floats:
+    """Points of equal area on the disc through a ball's center across the line of sight, shape (n, 3)."""
+    center = np.array([ball[0], ball[1], radius_m])
+    sight = eye - center
+    sight /= math.hypot(*sight)
+    across = np.cross(sight, [1.0, 0.0, 0.0])
+    across /= math.hypot(*across)
+    up = np.cross(sight, across)
+    rings = radius_m * np.sqrt((np.arange(RINGS) + 0.5) / RINGS)
+    turns = np.arange(SPOKES) * (math.tau / SPOKES)
+    spokes = np.cos(turns)[:, None] * across + np.sin(turns)[:, None] * up
+    points: Floats = center + (rings[:, None, None] * spokes).reshape(-1, 3)
+    return points
+
+
+def _tops_inside(robots: Floats, camera: CameraModel, settings: Settings) -> Floats:
+    turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
+    rim = settings.robots.radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
+    points = (robots[:, None, :2] + rim).reshape(-1, 2)
+    pixels = camera.pixel_from_field(points, settings.robots.height_m)
+    inside: Floats = _in_image(pixels, settings).reshape(-1, RIM_POINTS).all(axis=1)
+    return inside
+
+
+def _in_image(pixels: Floats, settings: Settings) -> Floats:
+    size = np.array([settings.camera.width_px, settings.camera.height_px])
+    inside: Floats = ((pixels >= -0.5) & (pixels <= size - 0.5)).all(axis=1)
+    return inside

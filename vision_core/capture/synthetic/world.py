@@ -1,0 +1,190 @@
+"""The world behind the simulated camera: robots that play, a ball, people who walk beside the field."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision_core.capture.synthetic.physics import HEADING, STEP_S, TURN, VX, VY, X, Y, move, no_bodies
+from vision_core.capture.synthetic.players import Player, Players
+from vision_core.field_model import accepted_half_extent, field_segments, goal_line_x, is_accepted
+from vision_core.geometry import Floats, wrap_angle
+from vision_core.settings import Settings
+from vision_core.types.objects import Team
+
+DECIDE_EVERY = 8
+"""Steps between two decisions of the players and the referee."""
+PAUSE_S = 1.0
+"""A ball in a goal or off the field lies so long before the referee puts it back."""
+STUCK_S = 4.0
+STUCK_M = 0.05
+"""A ball that has not moved so far for so long is stuck."""
+FIRST_PUSH_M_S = 0.8
+TRIES = 200
+WALK_M_S = 0.5
+STRIDE_S = 1.1
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Where everything is, and how it moves, at one moment: rows x, y, heading, vx, vy, turn."""
+
+    robots: Floats
+    """Shape (n, 6)."""
+    ball: Floats
+    """Shape (6,)."""
+    feet: Floats
+    """Shape (m, 6); heading along the foot."""
+
+
+class World:
+    """Moves on steps of its own, whatever durations it is advanced by; a seed plays one match."""
+
+    def __init__(self, settings: Settings) -> None:
+        field = settings.field
+        self._field = field
+        self._rng = np.random.default_rng([settings.synthetic.seed, 1])
+        self._radii = np.array([settings.robots.radius_m, settings.ball.radius_m])
+        self._half = np.array(accepted_half_extent(field))
+        self._goal_x = goal_line_x(field)
+        self._moving = settings.synthetic.speed_m_s > 0.0
+        segments = field_segments(field, settings.match.blue_defends)
+        solids = [(part.x1_m, part.y1_m, part.x2_m, part.y2_m) for part in segments if part.solid]
+        self._solids = np.array(solids, dtype=np.float64).reshape(-1, 4)
+        self.robots_worn = _line_up(settings)
+        """Team and marker id of each robot."""
+        self._time_s = 0.0
+        self._steps = 0
+        self._robots = no_bodies(len(self.robots_worn))
+        self._wishes = np.zeros((len(self.robots_worn), 3))
+        self._ball = no_bodies(1)[0]
+        self._place_all()
+        players = _players(self.robots_worn, settings.match.blue_defends)
+        self._players = Players(settings, players, self._rng)
+        self._feet = _feet_paths(settings)
+        self._out_since_s: float | None = None
+        self._rested_at = (0.0, self._ball[:2].copy())
+
+    def advance(self, duration_s: float) -> None:
+        """Let time pass [s]."""
+        self._time_s += duration_s
+        target = math.floor(self._time_s / STEP_S)
+        while self._steps < target:
+            if self._steps % DECIDE_EVERY == 0:
+                now = self._steps * STEP_S
+                self._referee(now)
+                self._players.decide(self._robots, self._ball, now, self._wishes)
+            count = min(target - self._steps, DECIDE_EVERY - self._steps % DECIDE_EVERY)
+            move(self._robots, self._wishes, self._ball, self._solids, self._half, self._radii, count)
+            self._steps += count
+
+    def snapshot(self) -> Snapshot:
+        """Everything at the present moment: the last step, carried on along its velocities."""
+        rest_s = self._time_s - self._steps * STEP_S
+        return Snapshot(
+            robots=_carried(self._robots, rest_s),
+            ball=_carried(self._ball[None], rest_s)[0],
+            feet=_walked(self._feet, self._time_s),
+        )
+
+    def _referee(self, now_s: float) -> None:
+        """Put the ball back when it is out, in a goal or stuck."""
+        x, y = float(self._ball[X]), float(self._ball[Y])
+        moved = math.hypot(*(self._ball[:2] - self._rested_at[1])) > STUCK_M
+        if moved:
+            self._rested_at = (now_s, self._ball[:2].copy())
+        out = abs(x) > self._goal_x or not is_accepted(self._field, x, y)
+        if not out:
+            self._out_since_s = None
+        elif self._out_since_s is None:
+            self._out_since_s = now_s
+        over = self._out_since_s is not None and now_s - self._out_since_s >= PAUSE_S
+        if self._moving and (over or now_s - self._rested_at[0] > STUCK_S):
+            self._place_ball()
+            self._rested_at = (now_s, self._ball[:2].copy())
+
+    def _place_all(self) -> None:
+        for i in range(len(self._robots)):
+            self._robots[i, :2] = self._free_place(self._robots[:i], 3.0 * self._radii[0])
+            self._robots[i, HEADING] = self._rng.uniform(-math.pi, math.pi)
+        self._place_ball()
+
+    def _place_ball(self) -> None:
+        self._ball[:] = 0.0
+        self._ball[:2] = self._free_place(self._robots, 1.5 * self._radii.sum())
+        if self._moving:
+            angle = self._rng.uniform(-math.pi, math.pi)
+            self._ball[VX], self._ball[VY] = FIRST_PUSH_M_S * math.cos(angle), FIRST_PUSH_M_S * math.sin(angle)
+
+    def _free_place(self, bodies: Floats, clearance_m: float) -> Floats:
+        """A place inside the lines, clear of bodies; on a crowded field the clearest of many."""
+        inside = np.array([self._field.length_m, self._field.width_m]) / 2.0 - 2.0 * self._radii[0]
+        places = self._rng.uniform(-inside, inside, size=(TRIES, 2))
+        arms = places[:, None] - bodies[None, :, :2]
+        gaps = np.hypot(arms[..., 0], arms[..., 1]).min(axis=1, initial=math.inf)
+        clear = np.flatnonzero(gaps >= clearance_m)
+        chosen: Floats = places[clear[0] if len(clear) else int(gaps.argmax())]
+        return chosen
+
+
+def _line_up(settings: Settings) -> tuple[tuple[Team, int], ...]:
+    ids = {Team.BLUE: settings.match.blue_ids, Team.YELLOW: settings.match.yellow_ids}
+    return tuple((team, worn) for team in Team for worn in ids[team][: settings.synthetic.robots_per_team])
+
+
+def _attacks(blue_defends: str) -> dict[Team, float]:
+    blue = 1.0 if blue_defends == "left" else -1.0
+    return {Team.BLUE: blue, Team.YELLOW: -blue}
+
+
+def _players(worn: tuple[tuple[Team, int], ...], blue_defends: str) -> tuple[Player, ...]:
+    """The first robot of each team keeps its goal, unless it is the only one."""
+    attacks = _attacks(blue_defends)
+    teams = [team for team, _ in worn]
+    return tuple(
+        Player(team, keeper=teams.index(team) == i and teams.count(team) > 1, attacks=attacks[team])
+        for i, team in enumerate(teams)
+    )
+
+
+def _carried(bodies: Floats, duration_s: float) -> Floats:
+    carried = bodies.copy()
+    carried[:, X : HEADING + 1] += bodies[:, VX : TURN + 1] * duration_s
+    return carried
+
+
+def _feet_paths(settings: Settings) -> Floats:
+    """Straight paths beside the field that people walk to and fro: x1, y1, x2, y2, phase [s]; shape (m, 5)."""
+    rng = np.random.default_rng([settings.synthetic.seed, 2])
+    half_x, half_y = accepted_half_extent(settings.field)
+    goal = settings.field.goal.width_m / 2.0 + 0.25
+    corner = max(half_y - 0.05, goal + 0.2)
+    paths = []
+    for i in range(settings.synthetic.feet):
+        away = rng.uniform(0.10, 0.22)
+        across = (-1.0 if i % 2 else 1.0) * (half_x + away)
+        along = (-1.0 if i % 4 < 2 else 1.0) * (half_y + away)
+        path = (across, goal, across, corner) if i % 3 < 2 else (-0.8 * half_x, along, 0.8 * half_x, along)
+        paths.append((*path, rng.uniform(0.0, 20.0)))
+    return np.array(paths).reshape(-1, 5)
+
+
+def _walked(paths: Floats, time_s: float) -> Floats:
+    """Feet on their paths: each stands while the other swings, and people turn round at the ends."""
+    feet = no_bodies(len(paths))
+    for i, (x1, y1, x2, y2, phase_s) in enumerate(paths):
+        length = math.hypot(x2 - x1, y2 - y1)
+        turns = math.tau / STRIDE_S
+        now = time_s + phase_s
+        way = WALK_M_S * (now - math.sin(turns * now) / turns)
+        speed = WALK_M_S * (1.0 - math.cos(turns * now))
+        there = way % (2.0 * length) < length
+        share = way % length / length
+        angle = math.atan2(y2 - y1, x2 - x1)
+        if not there:
+            share, angle = 1.0 - share, wrap_angle(angle + math.pi)
+        feet[i] = (
+            x1 + share * (x2 - x1), y1 + share * (y2 - y1), angle,
+            speed * math.cos(angle), speed * math.sin(angle), 0.0,
+        )  # fmt: skip
+    return feet
