@@ -49,7 +49,7 @@ def view_from_see(see: See, options: Options, mirror: Mirror) -> View:
         time_s=see.time_s,
         letters=letters,
         px=px,
-        mm=_distances_mm(mirror)[px],
+        mm=frozen(_distances_mm(mirror)[px]),
         directions_deg=directions_deg(options, len(px)),
         ball=see.ball,
         ball_mm=math.inf if see.ball.hidden else mirror.mm_from_px(see.ball.px + HALF_PX),

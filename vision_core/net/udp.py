@@ -56,15 +56,13 @@ def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[so
     """
     if udp_port == 65535 and session_port == 0:
         raise ServiceError("a session port of udp_port + 1", found="udp_port 65535", accepted="udp_port below 65535")
-    if udp_port:
+    if udp_port or session_port:
         main = _open_shared(host, udp_port)
         return main, _open_second(main, host, session_port or udp_port + 1)
     for _ in range(ANY_PORT_ATTEMPTS):
         main = _open_shared(host, 0)
-        chosen = main.getsockname()[1]
         with contextlib.suppress(ServiceError):
-            if session_port or chosen < 65535:
-                return main, _open_second(main, host, session_port or chosen + 1)
+            return main, _open_second(main, host, min(main.getsockname()[1] + 1, 65535))
     raise ServiceError(f"two UDP ports on {host or 'all addresses'}", found="none free", accepted="a free pair")
 
 

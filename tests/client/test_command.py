@@ -1,0 +1,125 @@
+"""The command: what it prints, draws and answers; and that numpy is all it needs."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.net.serving import Stadium, running
+from vision_core.client.__main__ import main
+
+ROOT = Path(__file__).parents[2]
+ALONE = """
+import sys
+import importlib.abc
+
+class Nothing(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        top = name.partition(".")[0]
+        if path is None and top not in sys.stdlib_module_names and top not in {"numpy", "vision_core"}:
+            raise ModuleNotFoundError(f"the client may not need {name}", name=name)
+
+sys.meta_path.insert(0, Nothing())
+from vision_core.client.__main__ import main
+sys.exit(main())
+"""
+
+
+@pytest.fixture(scope="module")
+def stadium() -> Iterator[Stadium]:
+    opened = Stadium()
+    with running(opened):
+        yield opened
+    opened.close()
+
+
+def arguments(stadium: Stadium, *more: str) -> list[str]:
+    return ["--team", "blue", "--number", "3", "--port", str(stadium.port), *more]
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
+
+
+def test_json_lines(stadium: Stadium, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments(stadium, "--count", "3", "--json")) == 0
+    views = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert len(views) == 3
+    assert set(views[0]) == {"time_s", "edges", "ball"}
+    assert views[0]["edges"] == [["w", 0x2C]] * 360
+    assert views[0]["ball"] == {"px": 61, "direction_deg": 121, "size_deg": 6, "hidden": False}
+    assert views[0]["time_s"] < views[1]["time_s"] < views[2]["time_s"]
+
+
+def test_sentences_for_people(stadium: Stadium, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments(stadium, "--count", "1", "--rate", "50")) == 0
+    assert "nearest w at 0.22 m, 0 deg, ball at 0.38 m, 121 deg" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("more", [[], ["--mirror", "1.933098", "0.00296946", "360000"]])
+def test_a_picture(stadium: Stadium, tmp_path: Path, more: list[str]) -> None:
+    picture = tmp_path / "view.png"
+    assert main(arguments(stadium, "--count", "1", "--draw", str(picture), *more)) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("more", "complaint"),
+    [
+        (["--number", "6"], "illegal_number"),
+        (["--mirror", "1", "0", "1"], "a mirror of equation 1"),
+        (["--rate", "0"], "illegal_option"),
+        (["--count", "1", "--draw", "/no/such/folder/view.png"], "/no/such/folder"),
+        (["--port", "1", "--timeout", "0.1"], "no answer"),
+    ],
+)
+def test_what_goes_wrong_is_one_line_and_exit_2(
+    stadium: Stadium, capsys: pytest.CaptureFixture[str], more: list[str], complaint: str
+) -> None:
+    assert main(arguments(stadium, *more)) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("pslv client: ")
+    assert complaint in line
+
+
+def test_numpy_and_the_standard_library_are_enough(stadium: Stadium, tmp_path: Path) -> None:
+    picture = tmp_path / "view.png"
+    command = [sys.executable, "-c", ALONE, *arguments(stadium, "--count", "2", "--json", "--draw", str(picture))]
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=30, env=environment(), cwd=tmp_path, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(done.stdout.splitlines()) == 2
+    assert picture.stat().st_size > 1000
+
+
+def test_ctrl_c_is_a_clean_end(stadium: Stadium, tmp_path: Path) -> None:
+    picture = tmp_path / "view.png"
+    command = [sys.executable, "-m", "vision_core.client", *arguments(stadium, "--draw", str(picture))]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment()
+    ) as client:
+        assert client.stdout is not None
+        assert "nearest" in client.stdout.readline()
+        client.send_signal(signal.SIGINT)
+        _, complaints = client.communicate(timeout=30)
+    assert (client.returncode, complaints) == (0, "")
+    assert picture.exists()
+
+
+def test_a_reader_who_has_seen_enough(stadium: Stadium) -> None:
+    command = [sys.executable, "-m", "vision_core.client", *arguments(stadium)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment()
+    ) as client:
+        assert client.stdout is not None
+        client.stdout.readline()
+        client.stdout.close()
+        assert client.wait(timeout=30) == 0
+        assert client.stderr is not None
+        assert client.stderr.read() == ""

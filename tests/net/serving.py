@@ -1,0 +1,99 @@
+"""A real server on loopback, driven by hand or by a thread."""
+
+import contextlib
+import random
+import select
+import socket
+import threading
+from collections.abc import Iterator
+
+from tests.protocol.samples import LETTERS, SUBNETS, simple_view
+from vision_core.clock import Instant, MonotonicClock
+from vision_core.mirror_model import PAPER_MIRROR
+from vision_core.net.server import FrameReport, UdpServer
+from vision_core.net.udp import open_server_sockets
+from vision_core.protocol.admission import Admission
+from vision_core.protocol.lifecycle import Session
+from vision_core.protocol.see import see_from_view
+from vision_core.protocol.session import Event, Rules, Sessions
+from vision_core.types.views import BallView
+
+PATIENCE_S = 2.0
+PERIOD_S = 0.01
+BALL = BallView(distance_m=0.379, direction_deg=121.2, size_deg=6.45, partial=False)
+
+
+class Stadium:
+    """A server that sends every client walls at 220 mm and a ball."""
+
+    def __init__(self) -> None:
+        self.clock = MonotonicClock()
+        self.rules = self.rules_of(self.clock.now())
+        self.main, self.session = open_server_sockets("127.0.0.1", 0, 0)
+        self.frame = 0
+        self._grabbed = Instant(0)
+        self.blind = False
+        """The camera sees no robot."""
+        self.start(Sessions(self.rules))
+
+    @staticmethod
+    def rules_of(boot: Instant) -> Rules:
+        return Rules(boot, 5, 600.0, 3.6, Admission.from_subnets(SUBNETS))
+
+    @property
+    def port(self) -> int:
+        return int(self.main.getsockname()[1])
+
+    def start(self, sessions: Sessions) -> None:
+        self.server = UdpServer(self.main, self.session, sessions, self.clock, random.Random(1))
+
+    def close(self) -> None:
+        self.server.close()
+        self.main.close()
+        self.session.close()
+
+    def serve(self, patience_s: float = PATIENCE_S) -> list[Event]:
+        """Wait for a datagram, handle what came."""
+        select.select([self.server], [], [], patience_s)
+        return self.server.handle_readable()
+
+    def see(self, session: Session, at: Instant) -> bytes | None:
+        if self.blind:
+            return None
+        options = session.init.options
+        view = simple_view(at=at, rays=options.rays_per_circle, ball=BALL)
+        return see_from_view(view, options, PAPER_MIRROR, LETTERS, self.rules.boot, nul=session.nul)
+
+    def send_frame(self, at: Instant | None = None) -> FrameReport:
+        self.frame += 1
+        self._grabbed = at or Instant(max(self.clock.now(), self._grabbed + 1_000_000))  # Time has milliseconds
+        grabbed = self._grabbed
+        return self.server.send_views(self.frame, grabbed, lambda session: self.see(session, grabbed))
+
+    def run(self, stop: threading.Event) -> None:
+        while not stop.is_set():
+            self.serve(PERIOD_S)
+            self.send_frame()
+
+
+@contextlib.contextmanager
+def running(stadium: Stadium) -> Iterator[Stadium]:
+    """A stadium that plays in a thread of its own."""
+    stop = threading.Event()
+    thread = threading.Thread(target=stadium.run, args=(stop,))
+    thread.start()
+    try:
+        yield stadium
+    finally:
+        stop.set()
+        thread.join()
+
+
+@contextlib.contextmanager
+def robot(stadium: Stadium, init: bytes, *, port: int = 0) -> Iterator[socket.socket]:
+    """A client's socket that has sent its init."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.bind(("127.0.0.1", port))
+        client.settimeout(PATIENCE_S)
+        client.sendto(init, ("127.0.0.1", stadium.port))
+        yield client

@@ -1,0 +1,252 @@
+"""The server on real sockets: ten clients, lost and moved ones, and a restart."""
+
+import contextlib
+import socket
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from tests.net.serving import Stadium, robot
+from vision_core.clock import Instant
+from vision_core.net.server import MOST_DATAGRAMS
+from vision_core.net.udp import Outcome, SessionSocket
+from vision_core.protocol.lifecycle import Change, State
+from vision_core.protocol.session import Reply, SessionClosed, SessionMoved, SessionOpened, Sessions
+
+EDGES = b"w2c" * 360
+
+
+@pytest.fixture
+def stadium() -> Iterator[Stadium]:
+    opened = Stadium()
+    yield opened
+    opened.close()
+
+
+def test_ten_clients_get_their_frames(stadium: Stadium) -> None:
+    with contextlib.ExitStack() as stack:
+        clients = {
+            (team, number): stack.enter_context(robot(stadium, f"(init {team} {number})".encode()))
+            for team in ("blue", "yellow")
+            for number in range(1, 6)
+        }
+        events = stadium.serve()
+        assert sum(isinstance(event, SessionOpened) for event in events) == 10
+        reports = [stadium.send_frame() for _ in range(3)]
+        for (team, number), client in clients.items():
+            reply, source = client.recvfrom(2000)
+            assert reply == f"(init {team} {number} play_on)".encode()
+            assert source == stadium.session.getsockname()
+            for _ in reports:
+                see, source = client.recvfrom(2000)
+                assert source == stadium.session.getsockname()
+                assert EDGES in see
+                assert see.endswith(b"((ball) 61 121 6))")
+        for report in reports:
+            assert [delivery.rank for delivery in report.deliveries] == list(range(10))
+            sent = [delivery.sent for delivery in report.deliveries]
+            assert sent == sorted(sent)
+            assert {delivery.outcome for delivery in report.deliveries} == {Outcome.SENT}
+        tallies = [stadium.server.tally(session) for session in stadium.server.sessions]
+        assert [(tally.sent, tally.dropped, tally.frames) for tally in tallies] == [(3, 0, 3)] * 10
+
+
+def test_the_order_is_random_and_fair(stadium: Stadium) -> None:
+    with contextlib.ExitStack() as stack:
+        for number in range(1, 5):
+            stack.enter_context(robot(stadium, f"(init blue {number})".encode()))
+        stadium.serve()
+        begin = stadium.clock.now()
+        reports = [stadium.send_frame(Instant(begin + i * 1_000_000)) for i in range(400)]
+        orders = {tuple(delivery.session.number for delivery in report.deliveries) for report in reports}
+        assert len(orders) == 24
+        for session in stadium.server.sessions:
+            assert 0.4 < stadium.server.tally(session).mean_rank < 0.6
+
+
+def test_a_robot_that_the_camera_does_not_see_hears_nothing(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        client.recv(2000)
+        stadium.blind = True
+        assert stadium.send_frame().deliveries == ()
+        stadium.blind = False
+        stadium.send_frame()
+        assert client.recv(2000).startswith(b"(see ")
+
+
+def test_no_frame_is_sent_twice(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)"):
+        stadium.serve()
+        at = stadium.clock.now()
+        assert len(stadium.send_frame(at).deliveries) == 1
+        assert stadium.send_frame(at).deliveries == ()
+
+
+def test_a_crashed_client_is_gone_within_a_frame_and_its_neighbors_notice_nothing(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as crashed, robot(stadium, b"(init blue 4)") as neighbor:
+        stadium.serve()
+        crashed_session, _ = stadium.server.sessions
+        crashed_session.inited = Instant(0)  # long ago
+        stadium.send_frame()
+        crashed.close()
+        time.sleep(0.002)
+        stadium.send_frame()  # meets a closed port
+        events = stadium.serve()
+        assert SessionClosed(crashed_session, Change.REFUSED) in events
+        assert [session.number for session in stadium.server.sessions] == [4]
+        neighbor.recv(2000)
+        for _ in range(2):
+            assert neighbor.recv(2000).startswith(b"(see ")
+
+
+def test_a_client_that_leaves_before_its_first_answer(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)"):
+        pass
+    stadium.serve()
+    for _ in range(5):
+        time.sleep(0.002)
+        stadium.send_frame()
+        stadium.serve(0.01)
+    assert len(stadium.server.sessions) == 0
+
+
+def test_a_client_connected_to_the_main_port_is_answered_from_there(stadium: Stadium) -> None:
+    """Its kernel refuses the session port, so the session moves without a word from it."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.settimeout(2.0)
+        client.connect(("127.0.0.1", stadium.port))
+        client.send(b"(init blue 3)")
+        events = stadium.serve()
+        while not any(isinstance(event, SessionMoved) for event in events):
+            events = stadium.serve()
+        assert client.recv(2000) == b"(init blue 3 play_on)"
+        stadium.send_frame()
+        assert client.recv(2000).startswith(b"(see ")
+        client.send(b"(bye)")
+        (closed,) = stadium.serve()
+        assert isinstance(closed, SessionClosed)
+        assert closed.reason is Change.LEFT
+
+
+@pytest.mark.parametrize("inits", [[b"(init blue 3 (port same))"], [b"(init blue 3)"] * 3])
+def test_views_from_the_main_port_when_asked_or_unheard(stadium: Stadium, inits: list[bytes]) -> None:
+    with robot(stadium, inits[0]) as client:
+        stadium.serve()
+        for init in inits[1:]:
+            client.sendto(init, stadium.main.getsockname())
+            stadium.serve()
+        sources = [client.recvfrom(2000)[1] for _ in inits]
+        assert sources[-1] == stadium.main.getsockname()
+        stadium.send_frame()
+        see, source = client.recvfrom(2000)
+        assert see.startswith(b"(see ")
+        assert source == stadium.main.getsockname()
+
+
+def test_bye_and_the_robot_is_free(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        client.sendto(b"(bye)", client.recvfrom(2000)[1])
+        (closed,) = stadium.serve()
+        assert isinstance(closed, SessionClosed)
+        assert stadium.send_frame().deliveries == ()
+
+
+def test_a_stranger_at_the_session_port_disturbs_nobody(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client, robot(stadium, b"") as stranger:
+        stadium.serve()
+        for noise in (b"(bye)", b"(dash 100)", b"\xff" * 1400, b""):
+            stranger.sendto(noise, stadium.session.getsockname())
+        while not any(isinstance(event, Reply) and b"not_connected" in event.data for event in stadium.serve()):
+            pass
+        assert stranger.recvfrom(2000) == (b"(error not_connected)", stadium.session.getsockname())
+        client.recv(2000)
+        stadium.send_frame()
+        assert client.recv(2000).startswith(b"(see ")
+
+
+def test_a_restarted_client_takes_over(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as old, robot(stadium, b"(init blue 3)") as new:
+        stadium.serve()
+        assert old.recv(2000) == b"(init blue 3 play_on)"
+        assert old.recv(2000) == b"(error replaced)"
+        assert new.recv(2000) == b"(init blue 3 play_on)"
+        assert len(stadium.send_frame().deliveries) == 1
+
+
+def test_one_socket_with_two_robots(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)(init blue 4)") as client:
+        stadium.serve()
+        client.recv(2000)
+        client.recv(2000)
+        assert len(stadium.send_frame().deliveries) == 2
+        assert all(client.recv(2000).startswith(b"(see ") for _ in range(2))
+
+
+def test_a_flood_is_handled_in_portions(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client:
+        for _ in range(3 * MOST_DATAGRAMS):
+            client.sendto(b"(dash 100)", stadium.main.getsockname())
+        stadium.serve()
+        assert 0 < stadium.server.sessions.counts.received <= MOST_DATAGRAMS
+
+
+def test_no_socket_left(stadium: Stadium, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(self: SessionSocket, *arguments: object) -> None:
+        raise OSError(24, "Too many open files")
+
+    monkeypatch.setattr(SessionSocket, "__init__", exhausted)
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        assert client.recvfrom(2000) == (b"(error server_full)", stadium.main.getsockname())
+        assert len(stadium.server.sessions) == 0
+
+
+def test_the_lease_and_the_operator_close_sockets_too(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)"), robot(stadium, b"(init blue 4)"):
+        stadium.serve()
+        third, fourth = stadium.server.sessions
+        third.heard = Instant(stadium.clock.now() - 601 * 10**9)
+        assert stadium.server.expire() == [SessionClosed(third, Change.SILENT)]
+        assert stadium.server.end(fourth) == [SessionClosed(fourth, Change.STOPPED)]
+        with pytest.raises(KeyError):
+            stadium.server.tally(fourth)
+
+
+def test_a_restarted_process_goes_on_with_the_same_clients(stadium: Stadium) -> None:
+    """Same ports, options and order of Time; clients notice nothing."""
+    with robot(stadium, b"(init blue 3)\0") as third, robot(stadium, b"(init blue 4 (port same)(fov 90))") as fourth:
+        stadium.serve()
+        at = stadium.clock.now()
+        stadium.send_frame(at)
+        snapshot = stadium.server.sessions.snapshot()
+        stadium.server.close()  # the process ends; its supervisor keeps the two sockets
+
+        stadium.start(Sessions.restore(stadium.rules, snapshot))
+        assert stadium.send_frame(at).deliveries == ()
+        stadium.send_frame()
+        for client, source, end in ((third, stadium.session, b"\0"), (fourth, stadium.main, b")")):
+            client.recv(2000)
+            before = client.recv(2000)
+            after, sender = client.recvfrom(2000)
+            assert sender == source.getsockname()
+            assert float(after.split()[1]) > float(before.split()[1])
+            assert len(after) == len(before)
+            assert after.endswith(end)
+        third.sendto(b"(init blue 3)\0", stadium.session.getsockname())
+        stadium.serve()
+        assert third.recvfrom(2000) == (b"(init blue 3 play_on)\0", stadium.session.getsockname())
+        assert [session.state for session in stadium.server.sessions] == [State.SETTLED, State.SAME_PORT]
+
+
+def test_closing_lets_go_of_everything_but_the_two_sockets(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        stadium.server.close()
+        client.recv(2000)
+        client.sendto(b"later", stadium.session.getsockname())
+        stadium.start(Sessions(stadium.rules))
+        assert stadium.serve() == []
+        assert stadium.server.sessions.counts.received == 1

@@ -1,0 +1,58 @@
+"""docs/protocol.md says what the code does."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.protocol.samples import LETTERS
+from vision_core.protocol.codec import COMMANDS, decode_commands, decode_message
+from vision_core.protocol.messages import Faulty, Init, See
+from vision_core.protocol.options import MOST_DIRECTIONS, RULES
+from vision_core.protocol.refusals import ErrorName
+
+ROOT = Path(__file__).parents[2]
+REFERENCE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("word", [*ErrorName])
+def test_every_error_has_a_line(word: ErrorName) -> None:
+    assert REFERENCE.count(f"\n| `{word}` |") == 1
+
+
+def test_every_option_has_a_line_and_the_lines_hold() -> None:
+    shown = re.findall(r"^\| (`\(.*?) \| ", REFERENCE, flags=re.MULTILINE)
+    assert {re.match(r"`\((\w+)", line)[1] for line in shown} == set(RULES)  # type: ignore[index]
+    for line in shown:
+        for option in re.findall(r"`(\(.*?\))`", line):
+            values = {"A B C": "4 0.0126 90000", " W": " 90", " C": " 10", " D": " 2", " N": " 5"}
+            asked = option
+            for name, value in values.items():
+                asked = asked.replace(name, value)
+            request = decode_commands(f"(init blue 3 {asked})".encode())
+            assert request is not None
+            assert isinstance(request.commands[0], Init), asked
+
+
+def test_every_command_is_named() -> None:
+    assert all(f'"({command}"' in REFERENCE for command in COMMANDS)
+    assert f"at most {MOST_DIRECTIONS}" in REFERENCE
+
+
+@pytest.mark.parametrize(
+    "letter", ["wall", "goal_blue", "goal_yellow", "unknown", "robot", "blue", "yellow", "nothing"]
+)
+def test_every_letter_has_a_line(letter: str) -> None:
+    assert f"`{getattr(LETTERS, letter)}`" in REFERENCE
+
+
+def test_messages_shown_are_legal() -> None:
+    assert isinstance(decode_message(b"(see 20306.148 ((edge) w2cw2cw2d...-ff) ((ball) 61 121 3))"), See)
+    for shown in re.findall(r"`(\((?:init|bye) ?(?:blue|\(team blue)[^`]*\))`", REFERENCE):
+        request = decode_commands(shown.encode())
+        assert request is None or not isinstance(request.commands[0], Faulty), shown
+
+
+def test_the_example_shown_is_the_one_that_runs() -> None:
+    code = (ROOT / "examples" / "stdlib_client.py").read_text(encoding="utf-8")
+    assert code[code.index("robot = socket.socket") :].rstrip() in REFERENCE
