@@ -19,6 +19,11 @@ Color: TypeAlias = tuple[int, int, int]
 FIXED_BITS = 4
 FIXED = 1 << FIXED_BITS
 
+MOST_HZ = 1000.0
+VIDEOS = "a video that FFmpeg can decode: MP4, AVI, MKV, ..."
+CAMERA_BUFFERS = 2
+"""One fills while the other is read: more only make late frames later."""
+
 
 def read_picture(path: Path) -> Bytes:
     """A picture file as blue green red, shape (height, width, 3). Raises SourceError."""
@@ -78,3 +83,60 @@ def shrink(image: Bytes, width_px: int) -> Bytes:
         return image
     size = (width_px, round(height * width_px / width))
     return cast("Bytes", cv2.resize(image, size, interpolation=cv2.INTER_AREA))
+
+
+class Video:
+    """A video file or a camera that is open."""
+
+    def __init__(self, capture: cv2.VideoCapture) -> None:
+        self._capture = capture
+        self.width_px = round(capture.get(cv2.CAP_PROP_FRAME_WIDTH))
+        self.height_px = round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
+        rate_hz = capture.get(cv2.CAP_PROP_FPS)
+        self.rate_hz = rate_hz if 0.0 < rate_hz <= MOST_HZ else 0.0
+        """Frames per second as the file or driver says; 0: it does not."""
+
+    def read(self, pixels: Bytes) -> bool:
+        """Wait for the next frame and write it into pixels, shape (height, width, 3); False: none, or another size."""
+        fine, image = self._capture.read()
+        if not fine or image.shape != pixels.shape:
+            return False
+        np.copyto(pixels, image)
+        return True
+
+    def skip(self) -> bool:
+        """Leave out the next frame; False when there is none."""
+        return bool(self._capture.grab())
+
+    def position_ms(self) -> float:
+        """Where the last frame lies in a video, or the driver's stamp of a V4L2 camera's buffer [ms]."""
+        return float(self._capture.get(cv2.CAP_PROP_POS_MSEC))
+
+    def close(self) -> None:
+        """Close the file or device."""
+        self._capture.release()
+
+
+def open_video(path: Path) -> Video:
+    """A video file. Raises SourceError."""
+    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    if not capture.isOpened():
+        raise SourceError(f"video {path}", found="a file that is no video, or a damaged one", accepted=VIDEOS)
+    return Video(capture)
+
+
+def open_camera(device: str, width_px: int, height_px: int, rate_hz: float) -> Video:
+    """A V4L2 camera by its number or path, asked for a size and rate: look at what it gives. Raises SourceError."""
+    capture = cv2.VideoCapture(int(device) if device.isdecimal() else device, cv2.CAP_V4L2)
+    if not capture.isOpened():
+        present = ", ".join(sorted(str(path) for path in Path("/dev").glob("video*")))
+        found = "no such device, or one that is in use or no camera"
+        raise SourceError(f"camera {device}", found=found, accepted=present or "none: this machine has no /dev/video*")
+    for key, value in (
+        (cv2.CAP_PROP_FRAME_WIDTH, width_px),
+        (cv2.CAP_PROP_FRAME_HEIGHT, height_px),
+        (cv2.CAP_PROP_FPS, rate_hz),
+        (cv2.CAP_PROP_BUFFERSIZE, CAMERA_BUFFERS),
+    ):
+        capture.set(key, value)
+    return Video(capture)
