@@ -8,14 +8,15 @@ from typing import Self
 
 
 class ScriptedServer:
-    """Answers each datagram with what a function makes of it."""
+    """Answers each datagram with what a function makes of it, from its own port or through another socket."""
 
-    def __init__(self, answer: Callable[[bytes], list[bytes]]) -> None:
+    def __init__(self, answer: Callable[[bytes], list[bytes]], through: socket.socket | None = None) -> None:
         self.heard: list[bytes] = []
         self._answer = answer
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind(("127.0.0.1", 0))
         self._socket.settimeout(0.05)
+        self._through = through or self._socket
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self.port: int = self._socket.getsockname()[1]
@@ -39,4 +40,4 @@ class ScriptedServer:
                 continue
             self.heard.append(data)
             for reply in self._answer(data):
-                self._socket.sendto(reply, client)
+                self._through.sendto(reply, client)

@@ -1,6 +1,7 @@
 """A client against a server that plays, and against servers that misbehave."""
 
 import itertools
+import socket
 import time
 from collections.abc import Callable, Iterator
 
@@ -143,6 +144,25 @@ def test_a_silent_client_keeps_its_session_alive() -> None:
             clock.advance(SILENCE_S)
             robot.latest()
             wait_until(lambda heard=heard: len(server.heard) == heard)  # type: ignore[misc]
+
+
+def test_silence_is_asked_about_at_the_session_port_and_then_at_the_main_port() -> None:
+    clock = ManualClock()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as session:
+        session.bind((HOST, 0))
+        session.settimeout(2.0)
+        with (
+            ScriptedServer(lambda _: [GRANTED], session) as main,
+            connect(HOST, main.port, "blue", 3, clock=clock) as robot,
+        ):
+            clock.advance(SILENCE_S)
+            robot.latest()
+            assert session.recv(100) == b"(init blue 3)"
+            assert len(main.heard) == 1
+            clock.advance(RESTART_S - SILENCE_S)
+            robot.latest()
+            wait_until(lambda: len(main.heard) == 2)
+            assert main.heard == [b"(init blue 3)"] * 2
 
 
 def test_a_restarted_server_is_found_again() -> None:

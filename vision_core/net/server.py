@@ -68,6 +68,15 @@ class Tally:
         """0.5 is fair."""
         return self.rank_sum / self.frames if self.frames else 0.5
 
+    def count(self, outcome: Outcome, rank: int, clients: int) -> None:
+        """One more frame, served to so many clients."""
+        self.frames += 1
+        self.rank_sum += rank / (clients - 1) if clients > 1 else 0.5
+        if outcome is Outcome.SENT:
+            self.sent += 1
+        else:
+            self.dropped += 1
+
 
 @dataclass(slots=True)
 class _Line:
@@ -144,21 +153,21 @@ class UdpServer:
 
         at: grab of the frame; datagram_for: a session's ``see``, or None when its robot is not known.
         """
-        ready = []
-        for session, line in self._lines.items():
-            if session.wants(at) and (data := datagram_for(session)) is not None:
-                ready.append((session, line, data))
+        ready = [
+            (session, line, data)
+            for session, line in self._lines.items()
+            if session.wants(at) and (data := datagram_for(session)) is not None
+        ]
         self._order.shuffle(ready)
-        deliveries = []
-        for rank, (session, line, data) in enumerate(ready):
-            outcome = line.socket.send(data)
-            deliveries.append(Delivery(session, rank, self._clock.now(), outcome))
-        events: list[Event] = []
-        for delivery, (session, line, _) in zip(deliveries, ready, strict=True):
+        now = self._clock.now
+        stamped = [(line.socket.send(data), now()) for _, line, data in ready]  # nothing else between two sends
+        deliveries, events = [], []
+        for rank, ((session, line, _), (outcome, sent)) in enumerate(zip(ready, stamped, strict=True)):
             session.note_served(at)
-            _count(line.tally, delivery, len(ready))
-            if delivery.outcome is Outcome.REFUSED:
-                events += self._carry_out(self.sessions.refused(session, delivery.sent))
+            line.tally.count(outcome, rank, len(ready))
+            deliveries.append(Delivery(session, rank, sent, outcome))
+            if outcome is Outcome.REFUSED:
+                events += self._carry_out(self.sessions.refused(session, sent))
         return FrameReport(frame_number, tuple(deliveries), tuple(events))
 
     def _receive_from(self, source: SharedSocket | Session) -> list[Event] | None:
@@ -223,12 +232,3 @@ class UdpServer:
     def _listen(self, descriptor: int, source: SharedSocket | Session) -> None:
         self._listening[descriptor] = source
         self._poll.register(descriptor, select.EPOLLIN)
-
-
-def _count(tally: Tally, delivery: Delivery, clients: int) -> None:
-    tally.frames += 1
-    tally.rank_sum += delivery.rank / (clients - 1) if clients > 1 else 0.5
-    if delivery.outcome is Outcome.SENT:
-        tally.sent += 1
-    else:
-        tally.dropped += 1
