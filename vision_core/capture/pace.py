@@ -16,7 +16,7 @@ class RateKeeper:
     def __init__(self, rate_hz: float, clock: Clock, sleep: Callable[[float], None] = time.sleep) -> None:
         self.rate_hz = rate_hz
         self.number = -1
-        """Of the period that ``wait`` returned last, the skipped ones counted."""
+        """Of the period that was chosen last, the skipped ones counted."""
         self.skipped = 0
         self._clock = clock
         self._sleep = sleep
@@ -24,6 +24,11 @@ class RateKeeper:
 
     def wait(self) -> Instant:
         """Sleep until the next instant of the grid that is not over, and return it: always later than the last."""
+        self.choose()
+        return self.sleep()
+
+    def choose(self) -> Instant:
+        """The next instant of the grid that is not over, for work that must be done before it."""
         now = self._clock.now()
         due = self.number + 1
         number = max(due, int(seconds_between(self._start, now) * self.rate_hz))
@@ -31,7 +36,11 @@ class RateKeeper:
             number += 1
         self.skipped += number - due
         self.number = number
-        deadline = self._instant(number)
+        return self._instant(number)
+
+    def sleep(self) -> Instant:
+        """Sleep until the chosen instant, not at all when it is over, and return it."""
+        deadline = self._instant(self.number)
         while (now := self._clock.now()) < deadline:
             self._sleep(seconds_between(now, deadline))
         return deadline

@@ -39,7 +39,7 @@ class SyntheticCamera:
         self._model = model
         self._world = World(settings)
         self._keeper = rate_keeper(self.rate_hz, clock, paced=paced)
-        self._shown = 0
+        self._shown = -1
         self._last: tuple[Instant, Snapshot] | None = None
 
     @cached_property
@@ -55,15 +55,18 @@ class SyntheticCamera:
         return truth_of(instant, scene, self._world.robots_worn, self._model, self._settings)
 
     def grab(self, pixels: Bytes) -> Instant:
-        """Render the next image, as ``Source.grab``; the instant is the middle of its exposure."""
+        """Render the next image, as ``Source.grab``; the instant is the middle of its exposure.
+
+        It is rendered ahead and held back until its instant: rendering costs the simulator time, not the service.
+        """
         renderer = self._renderer
-        instant = self._keeper.wait()
+        instant = self._keeper.choose()
         self._world.advance(min((self._keeper.number - self._shown) / self.rate_hz, LONGEST_LEAP_S))
         self._shown = self._keeper.number
         scene = self._world.snapshot()
         self._last = instant, scene
         renderer.draw(pixels, scene)
-        return instant
+        return self._keeper.sleep()
 
     def close(self) -> None:
         """Nothing is held open."""

@@ -58,6 +58,19 @@ class Venue(NamedTuple):
 
 
 @kernel
+def spread(coarse: Floats, step: int, fine: FloatImage) -> None:
+    """Fill fine, shape (height, width, 2), from values at every step-th row and column, linear in between."""
+    for v in range(fine.shape[0]):
+        row, fv = v // step, (v % step) / step
+        for u in range(fine.shape[1]):
+            column, fu = u // step, (u % step) / step
+            for axis in range(2):
+                above = coarse[row, column, axis] * (1.0 - fu) + coarse[row, column + 1, axis] * fu
+                below = coarse[row + 1, column, axis] * (1.0 - fu) + coarse[row + 1, column + 1, axis] * fu
+                fine[v, u, axis] = above * (1.0 - fv) + below * fv
+
+
+@kernel
 def color_floor(
     image: FloatImage, floor: FloatImage, eye: Floats, venue: Venue,
     lines: Floats, arcs: Floats, things: Floats, colors: Floats,
@@ -70,21 +83,47 @@ def color_floor(
     """
     shade = np.zeros(len(colors))
     color = np.zeros(3)
+    nearby = np.empty_like(things)
     for v in range(image.shape[0]):
         for u in range(image.shape[1]):
             x, y = floor[v + 1, u + 1]
             ux, uy = (floor[v + 1, u + 2] - floor[v + 1, u]) * 0.5
             vx, vy = (floor[v + 2, u + 1] - floor[v, u + 1]) * 0.5
             _shade(shade, venue, x, y)
+            size = abs(ux) + abs(uy) + abs(vx) + abs(vy)
+            if _is_plain_carpet(venue, x, y, size, lines, arcs):
+                image[v, u] = colors[CARPET] * shade[CARPET]
+                continue
             image[v, u] = 0.0
+            near = _gather(nearby, things, x, y, size)
             for sample in range(GRID * GRID):
                 du = (sample % GRID + 0.5) / GRID - 0.5
                 dv = (sample // GRID + 0.5) / GRID - 0.5
-                _color_ray(
-                    color, venue, eye, x + du * ux + dv * vx, y + du * uy + dv * vy, lines, arcs, things, colors, shade
-                )
+                x_ray, y_ray = x + du * ux + dv * vx, y + du * uy + dv * vy
+                _color_ray(color, venue, eye, x_ray, y_ray, lines, arcs, nearby[:near], colors, shade)
                 for channel in range(3):
                     image[v, u, channel] += color[channel] / (GRID * GRID)
+
+
+@kernel
+def _is_plain_carpet(venue: Venue, x: float, y: float, size: float, lines: Floats, arcs: Floats) -> bool:
+    """Do all rays of a pixel of a size [m] meet bare carpet?"""
+    ax, ay = abs(x) + size, abs(y) + size
+    inside = ax < min(venue.goal_x, venue.half_x) and ay < venue.half_y
+    inside = inside and ax + ay < venue.half_x + venue.half_y - venue.corner_cut
+    return inside and not _on_line(venue.line_half + size, x, y, lines, arcs)
+
+
+@kernel
+def _gather(nearby: Floats, things: Floats, x: float, y: float, size: float) -> int:
+    """Copy the things that may cover a part of a pixel; how many there are."""
+    count = 0
+    for i in range(len(things)):
+        reach = things[i, 5] + things[i, 6] + size
+        if (x - things[i, 1]) ** 2 + (y - things[i, 2]) ** 2 < reach * reach:
+            nearby[count] = things[i]
+            count += 1
+    return count
 
 
 @kernel
@@ -113,16 +152,20 @@ def _color_ray(
 def _material(venue: Venue, eye: Floats, x: float, y: float, lines: Floats, arcs: Floats) -> int:
     if not (math.isfinite(x) and math.isfinite(y)):
         return DARK
-    if abs(x) >= min(venue.goal_x, venue.half_x) or abs(y) >= venue.half_y or venue.corner_cut > 0.0:
-        for depth in range(DEPTHS + 1):
+    ax, ay = abs(x), abs(y)
+    if ax >= min(venue.goal_x, venue.half_x) or ay >= venue.half_y or venue.corner_cut > 0.0:
+        rise = venue.height / eye[2]
+        beyond_x, beyond_y = venue.goal_x + venue.goal_depth + venue.thickness, venue.half_y + venue.thickness
+        clear = min(ax, abs(x + (eye[0] - x) * rise)) >= beyond_x or min(ay, abs(y + (eye[1] - y) * rise)) >= beyond_y
+        for depth in range(0 if clear else DEPTHS + 1):
             lift = venue.height * (1.0 - depth / DEPTHS) / eye[2]
             solid = solid_at(venue, x + (eye[0] - x) * lift, y + (eye[1] - y) * lift)
             if solid == WALL:
                 return BOARD if depth == 0 else FACE
             if solid != NOTHING:
                 return BOARD if depth == 0 else (NET_LEFT if solid == GOAL_LEFT else NET_RIGHT)
-    if abs(x) > venue.carpet_x or abs(y) > venue.carpet_y:
-        in_goal = abs(x) < venue.goal_x + venue.goal_depth and abs(y) < venue.goal_half
+    if ax > venue.carpet_x or ay > venue.carpet_y:
+        in_goal = ax < venue.goal_x + venue.goal_depth and ay < venue.goal_half
         return CARPET if in_goal else WOOD
     return LINE if _on_line(venue.line_half, x, y, lines, arcs) else CARPET
 

@@ -55,13 +55,13 @@ class Players:
         self._held_since_s: dict[int, float] = {}
         self._chasers: dict[Team, int] = {}
 
-    def decide(self, robots: Floats, ball: Floats, time_s: float, wishes: Floats) -> None:
+    def decide(self, robots: Floats, ball: Floats, time_s: float, wishes: Floats, *, in_play: bool) -> None:
         """Write what every robot wants, shape (n, 3), and kick the ball where one does, in place."""
         if not self._most_m_s:
             return
         self._choose_chasers(robots, ball)
         for i, player in enumerate(self._players):
-            if i in self._chasers.values():
+            if in_play and i in self._chasers.values():
                 target, facing = self._chase(robots[i], ball, player)
                 self._maybe_kick(i, robots[i], ball, time_s)
             elif player.keeper:

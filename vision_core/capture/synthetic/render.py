@@ -38,7 +38,9 @@ TIME_ORDER = np.array([[16, 3, 2, 13], [5, 10, 11, 8], [9, 6, 7, 12], [4, 15, 14
 so that motion smears a thing and does not move it."""
 
 SHADOW_SOFTNESS_M = 0.03
-LEG_M, SHOE_M = (0.055, 0.5), (0.048, 0.07)
+TIP_PER_M = (-LIGHT_X / LIGHT_Z, -LIGHT_Y / LIGHT_Z)
+"""Where the shadow of a point falls, per height."""
+LEG_M, SHOE_M = (0.055, 0.5), (0.045, 0.07)
 """Radius and height."""
 RIM = np.column_stack([np.cos(np.arange(8) * math.pi / 4.0), np.sin(np.arange(8) * math.pi / 4.0)]) / math.cos(
     math.pi / 8.0
@@ -78,7 +80,8 @@ class Renderer:
 
     def draw(self, pixels: Bytes, scene: Snapshot) -> None:
         """Fill pixels, shape (height, width, 3), with the image of a scene."""
-        np.copyto(pixels, self._background.pixels)
+        still = self._background
+        np.copyto(pixels, still.pixels)
         feet, foot_looks = _prisms_of_feet(scene.feet)
         bodies = np.concatenate([feet, scene.robots, scene.ball[None]])
         looks = [*foot_looks, *self._looks]
@@ -86,11 +89,14 @@ class Renderer:
         radii = np.array([*(look.radius_m for look in looks), self._ball_radius_m])
         heights = np.array([*(look.height_m for look in looks), 2.0 * self._ball_radius_m])
         reach = radii + self._half_exposure_s * np.hypot(bodies[:, 3], bodies[:, 4])
-        windows = self._windows(pixels, bodies[:, :2], bodies[:, :2], reach, heights)
-        self._draw_shadows(pixels, bodies, radii, heights)
+        bases = bodies[:, :2].copy()
+        tips = bases + np.outer(np.minimum(heights, 1.5 * radii), TIP_PER_M)
+        windows, shadows = self._windows(pixels, bases, tips, reach, heights)
+        for i in range(len(feet) if self._shadows else ball + 1, ball + 1):
+            softness = min(SHADOW_SOFTNESS_M, 0.5 * float(radii[i]))
+            draw_shadow(pixels, still.floor, shadows[i], bases[i], tips[i], radii[i], softness, self._shadows)
         far = bodies[:, :2] - self._eye[:2]
         order: list[int] = np.argsort(-np.hypot(far[:, 0], far[:, 1]), kind="stable").tolist()
-        still = self._background
         for i in order:
             if i == ball:
                 draw_ball(
@@ -105,30 +111,25 @@ class Renderer:
                 )  # fmt: skip
         self._noise.add(pixels)
 
-    def _draw_shadows(self, pixels: Bytes, bodies: Floats, radii: Floats, heights: Floats) -> None:
-        if not self._shadows:
-            return
-        cast = np.outer(np.minimum(heights, 1.5 * radii), [-LIGHT_X / LIGHT_Z, -LIGHT_Y / LIGHT_Z])
-        bases, tips = bodies[:, :2].copy(), bodies[:, :2] + cast
-        windows = self._windows(pixels, bases, tips, radii + SHADOW_SOFTNESS_M, np.zeros(len(radii)))
-        for i, radius in enumerate(radii):
-            softness = min(SHADOW_SOFTNESS_M, 0.5 * radius)
-            draw_shadow(pixels, self._background.floor, windows[i], bases[i], tips[i], radius, softness, self._shadows)
-
     def _windows(
-        self, pixels: Bytes, bases: Floats, tops: Floats, reach: Floats, heights: Floats
-    ) -> NDArray[np.int64]:  # fmt: skip
-        """Boxes round discs on the floor and above it, cut to the image: u0, v0, u1, v1, shape (n, 4) [px]."""
+        self, pixels: Bytes, bases: Floats, tips: Floats, reach: Floats, heights: Floats
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Boxes round upright prisms and round their shadows, cut to the image: u0, v0, u1, v1, shape (n, 4) [px]."""
         rims = reach[:, None, None] * RIM
-        low = (bases[:, None] + rims).reshape(-1, 2)
-        high = (tops[:, None] + rims).reshape(-1, 2)
-        levels = np.concatenate([np.zeros(len(low)), np.repeat(heights, len(RIM))])
-        seen = self._camera.pixel_from_field(np.concatenate([low, high]), levels)
-        seen = seen.reshape(2, len(bases), len(RIM), 2).transpose(1, 0, 2, 3).reshape(len(bases), -1, 2)
+        soft = (reach + SHADOW_SOFTNESS_M)[:, None, None] * RIM
+        base = bases[:, None]
+        corners = np.stack([base + rims, base + rims, base + soft, tips[:, None] + soft])
+        levels = np.zeros(corners.shape[:-1])
+        levels[1] = heights[:, None]
+        seen = self._camera.pixel_from_field(corners.reshape(-1, 2), levels.reshape(-1)).reshape(corners.shape)
         height, width, _ = pixels.shape
-        corners = np.concatenate([np.floor(seen.min(axis=1)) - 1.0, np.ceil(seen.max(axis=1)) + 2.0], axis=1)
-        limits = np.array([width, height, width, height])
-        return np.nan_to_num(corners).clip(0, limits).astype(np.int64)
+        limits = np.array([width, height])
+        boxes = []
+        for pair in (seen[:2], seen[2:]):
+            first, last = np.floor(pair.min(axis=(0, 2))) - 1.0, np.ceil(pair.max(axis=(0, 2))) + 2.0
+            box = np.concatenate([np.clip(first, 0.0, limits), np.clip(last, 0.0, limits)], axis=1)
+            boxes.append(np.where(np.isfinite(box), box, 0.0).astype(np.int64))
+        return boxes[0], boxes[1]
 
 
 def _samples(exposure_s: float) -> Floats:
@@ -167,14 +168,14 @@ def _plain(size_m: tuple[float, float], bgr: tuple[int, int, int]) -> Look:
 
 
 FOOT_PARTS = (
-    *((along_m, _plain(SHOE_M, SHOE_BGR)) for along_m in (0.0, 0.07, 0.14)),
+    *((along_m, _plain(SHOE_M, SHOE_BGR)) for along_m in (0.0, 0.05, 0.10, 0.15)),
     (0.0, _plain(LEG_M, TROUSERS_BGR)),
 )
-"""A foot is a shoe of three discs and the leg above; how far forward each lies [m], and its look."""
+"""A foot is a shoe of four discs and the leg above; how far forward each lies [m], and its look."""
 
 
 def _prisms_of_feet(feet: Floats) -> tuple[Floats, list[Look]]:
-    """All parts of all feet, shape (4 m, 6), and what they look like."""
+    """All parts of all feet, shape (5 m, 6), and what they look like."""
     parts = no_bodies(len(feet) * len(FOOT_PARTS))
     looks = []
     for i, foot in enumerate(feet):

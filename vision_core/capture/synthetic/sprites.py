@@ -14,10 +14,8 @@ from vision_core.capture.synthetic.floor import FloatImage
 from vision_core.geometry import Bytes, Floats
 from vision_core.kernels import kernel
 
-NOTHING, TOP, SIDE, FIRST_DOT = -1, 0, 1, 2
-"""Materials of a prism: index into its colors."""
-CORNERS = (3, 12, 15)
-"""The samples that with sample 0 are the corners of the 4x4: where these agree the others do."""
+EDGE, NOTHING, TOP, SIDE, FIRST_DOT = -2, -1, 0, 1, 2
+"""Materials of a prism: index into its colors, none, or more than one in a pixel."""
 
 LIGHT_X, LIGHT_Y, LIGHT_Z = -0.36, 0.22, 0.906
 """Unit vector to the lamps."""
@@ -37,9 +35,9 @@ def draw_shadow(
         for u in range(window[0], window[2]):
             dx, dy = floor[v + 1, u + 1, 0] - base[0], floor[v + 1, u + 1, 1] - base[1]
             share = min(max((dx * ax + dy * ay) / length2, 0.0), 1.0)
-            away = math.hypot(dx - share * ax, dy - share * ay)
-            depth = (radius + softness - away) / (2.0 * softness)
-            if depth <= 0.0:
+            dx, dy = dx - share * ax, dy - share * ay
+            depth = (radius + softness - math.sqrt(dx * dx + dy * dy)) / (2.0 * softness)
+            if not depth > 0.0:
                 continue
             depth = min(depth, 1.0)
             left = 1.0 - darkness * depth * depth * (3.0 - 2.0 * depth)
@@ -56,28 +54,26 @@ def draw_prism(
 
     colors: of top, side and every dot, shape (2 + k, 3); dots: x, y, radius in the body's space, shape (k, 3) [m].
     """
-    poses = np.empty((len(samples), 4))
-    for k in range(len(samples)):
-        angle = body[2] + body[5] * samples[k, 2]
-        poses[k, 0] = body[0] + body[3] * samples[k, 2]
-        poses[k, 1] = body[1] + body[4] * samples[k, 2]
-        poses[k, 2], poses[k, 3] = math.cos(angle), math.sin(angle)
+    poses = _poses(body, samples)
+    still = np.array([body[0], body[1], math.cos(body[2]), math.sin(body[2])])
     lift = height / eye[2]
+    smear = (math.hypot(body[3], body[4]) + abs(body[5]) * radius) * np.abs(samples[:, 2]).max()
     for v in range(window[1], window[3]):
         for u in range(window[0], window[2]):
-            first = _sampled(floor, u, v, 0, samples, poses, eye, lift, radius, front, dots)
-            alike = True
-            for k in CORNERS:
-                if _sampled(floor, u, v, k, samples, poses, eye, lift, radius, front, dots) != first:
-                    alike = False
-                    break
-            if alike:
-                if first != NOTHING:
-                    _blend(pixels, u, v, light[v, u], colors[first, 0], colors[first, 1], colors[first, 2], 1.0)
+            x, y, ux, uy, vx, vy = pixel_on_floor(floor, u, v)
+            margin = 0.5 * (math.sqrt(ux * ux + uy * uy) + math.sqrt(vx * vx + vy * vy)) + smear
+            material = _material(x, y, still, eye, lift, radius, front, dots, margin)
+            if material == NOTHING:
+                continue
+            if material != EDGE:
+                _blend(pixels, u, v, light[v, u], colors[material, 0], colors[material, 1], colors[material, 2], 1.0)
                 continue
             blue = green = red = covered = 0.0
             for k in range(len(samples)):
-                material = _sampled(floor, u, v, k, samples, poses, eye, lift, radius, front, dots)
+                du, dv = samples[k, 0], samples[k, 1]
+                material = _material(
+                    x + du * ux + dv * vx, y + du * uy + dv * vy, poses[k], eye, lift, radius, front, dots, 0.0
+                )
                 if material != NOTHING:
                     blue += colors[material, 0]
                     green += colors[material, 1]
@@ -89,26 +85,54 @@ def draw_prism(
 
 
 @kernel
-def _sampled(
-    floor: FloatImage, u: int, v: int, k: int, samples: Floats, poses: Floats, eye: Floats,
-    lift: float, radius: float, front: float, dots: Floats,
-) -> int:  # fmt: skip
-    """What ray k of a pixel meets of a prism."""
-    du, dv = 0.5 * samples[k, 0], 0.5 * samples[k, 1]
-    row, left, right = floor[v + 1, u + 1], floor[v + 1, u], floor[v + 1, u + 2]
+def _poses(body: Floats, samples: Floats) -> Floats:
+    """x, y, cos, sin of a body at the time of every sample, shape (16, 4)."""
+    poses = np.empty((len(samples), 4))
+    for k in range(len(samples)):
+        angle = body[2] + body[5] * samples[k, 2]
+        poses[k, 0] = body[0] + body[3] * samples[k, 2]
+        poses[k, 1] = body[1] + body[4] * samples[k, 2]
+        poses[k, 2], poses[k, 3] = math.cos(angle), math.sin(angle)
+    return poses
+
+
+@kernel
+def pixel_on_floor(floor: FloatImage, u: int, v: int) -> tuple[float, float, float, float, float, float]:
+    """Where a pixel's ray meets the floor, and how that moves with one pixel to the right and down [m]."""
+    here, left, right = floor[v + 1, u + 1], floor[v + 1, u], floor[v + 1, u + 2]
     above, below = floor[v, u + 1], floor[v + 2, u + 1]
-    x = row[0] + du * (right[0] - left[0]) + dv * (below[0] - above[0])
-    y = row[1] + du * (right[1] - left[1]) + dv * (below[1] - above[1])
-    px, py, c, s = poses[k, 0], poses[k, 1], poses[k, 2], poses[k, 3]
-    dx, dy = x + (eye[0] - x) * lift - px, y + (eye[1] - y) * lift - py
+    return (
+        here[0], here[1],
+        0.5 * (right[0] - left[0]), 0.5 * (right[1] - left[1]),
+        0.5 * (below[0] - above[0]), 0.5 * (below[1] - above[1]),
+    )  # fmt: skip
+
+
+@kernel
+def _material(
+    x: float, y: float, pose: Floats, eye: Floats, lift: float, radius: float, front: float, dots: Floats, margin: float
+) -> int:
+    """What the ray that would meet the floor at x, y meets of a prism; EDGE where a margin [m] changes that."""
+    c, s = pose[2], pose[3]
+    dx, dy = x - pose[0], y - pose[1]
+    px, py = c * dx + s * dy, c * dy - s * dx
+    dx, dy = dx + (eye[0] - x) * lift, dy + (eye[1] - y) * lift
     tx, ty = c * dx + s * dy, c * dy - s * dx
-    if tx < front and tx * tx + ty * ty < radius * radius:
+    away2 = tx * tx + ty * ty
+    if tx < front - margin and away2 < (radius - margin) ** 2:
         for j in range(len(dots)):
-            if (tx - dots[j, 0]) ** 2 + (ty - dots[j, 1]) ** 2 < dots[j, 2] ** 2:
-                return FIRST_DOT + j
+            gap2 = (tx - dots[j, 0]) ** 2 + (ty - dots[j, 1]) ** 2
+            if gap2 < (dots[j, 2] + margin) ** 2:
+                return FIRST_DOT + j if gap2 < max(dots[j, 2] - margin, 0.0) ** 2 else EDGE
         return TOP
-    dx, dy = x - px, y - py
-    return SIDE if meets_prism(c * dx + s * dy, c * dy - s * dx, tx, ty, radius, front) else NOTHING
+    if not meets_prism(px, py, tx, ty, radius + margin, front + margin):
+        return NOTHING
+    if margin > 0.0 and (
+        (tx < front + margin and away2 < (radius + margin) ** 2)
+        or not meets_prism(px, py, tx, ty, radius - margin, front - margin)
+    ):
+        return EDGE
+    return SIDE
 
 
 @kernel
@@ -137,13 +161,11 @@ def draw_ball(
     share = 1.0 / len(samples)
     for v in range(window[1], window[3]):
         for u in range(window[0], window[2]):
-            row, left, right = floor[v + 1, u + 1], floor[v + 1, u], floor[v + 1, u + 2]
-            above, below = floor[v, u + 1], floor[v + 2, u + 1]
+            here_x, here_y, ux, uy, vx, vy = pixel_on_floor(floor, u, v)
             covered = lit = gleam = 0.0
             for k in range(len(samples)):
-                du, dv = 0.5 * samples[k, 0], 0.5 * samples[k, 1]
-                x = row[0] + du * (right[0] - left[0]) + dv * (below[0] - above[0])
-                y = row[1] + du * (right[1] - left[1]) + dv * (below[1] - above[1])
+                x = here_x + samples[k, 0] * ux + samples[k, 1] * vx
+                y = here_y + samples[k, 0] * uy + samples[k, 1] * vy
                 cx, cy = body[0] + body[3] * samples[k, 2], body[1] + body[4] * samples[k, 2]
                 dx, dy, dz = x - eye[0], y - eye[1], -eye[2]
                 ox, oy, oz = eye[0] - cx, eye[1] - cy, eye[2] - radius

@@ -73,7 +73,8 @@ class World:
             if self._steps % DECIDE_EVERY == 0:
                 now = self._steps * STEP_S
                 self._referee(now)
-                self._players.decide(self._robots, self._ball, now, self._wishes)
+                in_play = self._out_since_s is None
+                self._players.decide(self._robots, self._ball, now, self._wishes, in_play=in_play)
             count = min(target - self._steps, DECIDE_EVERY - self._steps % DECIDE_EVERY)
             move(self._robots, self._wishes, self._ball, self._solids, self._half, self._radii, count)
             self._steps += count
