@@ -54,6 +54,7 @@ def main(team: str, number: int, seconds: float, host: str = "127.0.0.1", port: 
                 "session_port": server[1],
                 "messages": len(times),
                 "per_second": len(times) / seconds,
+                "wrong_form": len(wrong),
                 "wrong": wrong[:3],
                 "increasing": all(gap > 0 for gap in gaps),
                 "longest_gap_s": max(gaps, default=0.0),
