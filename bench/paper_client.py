@@ -1,6 +1,6 @@
 """A client written from the paper's text alone, with the standard library alone.
 
-    python bench/paper_client.py TEAM NUMBER SECONDS [HOST [PORT]]
+    python bench/paper_client.py TEAM NUMBER SECONDS HOST PORT
 
 Sends ``(init TEAM NUMBER)``, reads ``see`` messages for some seconds, checks each against the paper's form
 and prints one line of JSON. It imports nothing of PSLV and is told nothing that the paper does not say.
@@ -19,7 +19,7 @@ SEE = re.compile(
 PAPER_EDGE_CHARACTERS = 1080
 
 
-def main(team: str, number: int, seconds: float, host: str = "127.0.0.1", port: int = 6000) -> None:
+def main(team: str, number: int, seconds: float, host: str, port: int) -> None:
     """Connect, listen, report."""
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     client.settimeout(1.0)
@@ -66,5 +66,5 @@ def main(team: str, number: int, seconds: float, host: str = "127.0.0.1", port: 
 
 
 if __name__ == "__main__":
-    team, number, seconds, *rest = sys.argv[1:]
-    main(team, int(number), float(seconds), *rest[:1], *(int(port) for port in rest[1:2]))
+    team, number, seconds, host, port = sys.argv[1:6]
+    main(team, int(number), float(seconds), host, int(port))
