@@ -52,7 +52,7 @@ def encode_jpeg(image: Bytes, quality: int = 80) -> bytes:
     """A picture as the bytes of a JPEG file."""
     fine, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     assert fine
-    return cast("bytes", data.tobytes())
+    return data.tobytes()
 
 
 def draw_circle(image: Bytes, center_px: Point, radius_px: float, bgr: Color, thickness_px: int = 1) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.objects.drawing import CODES, PAINTS, SETTINGS, Picture, turn_between
+from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import Instant, ManualClock
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
@@ -89,3 +90,23 @@ def test_a_pattern_without_its_color_classes_is_refused() -> None:
     colors = msgspec.structs.replace(SETTINGS.colors, classes=classes)
     with pytest.raises(SettingsError, match=r"dot_colors; found: pink; accepted: .*green"):
         Perception(msgspec.structs.replace(SETTINGS, colors=colors))
+
+
+@pytest.mark.slow
+def test_a_simulated_match_is_read_without_a_miss(perception: Perception) -> None:
+    clock = ManualClock()
+    camera = SyntheticCamera(SETTINGS, clock, paced=False)
+    pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
+    for number in range(1, 41):
+        seen = perception.perceive(ImageFrame("main", number, camera.grab(pixels), pixels), clock)
+        truth = camera.truth
+        robots = {(robot.team, robot.id): robot for robot in seen.robots}
+        assert len(robots) == len(seen.robots)
+        assert set(robots) == {(robot.team, robot.id) for robot in truth.robots}
+        for robot in truth.robots:
+            found = robots[robot.team, robot.id]
+            assert math.dist((found.x_m, found.y_m), (robot.x_m, robot.y_m)) < 0.002
+            assert turn_between(found.heading_rad, robot.heading_rad) < math.radians(2.0)
+        if truth.ball.visible_share > 0.5:
+            best = seen.balls[0]
+            assert math.dist((best.x_m, best.y_m), (truth.ball.x_m, truth.ball.y_m)) < 0.01

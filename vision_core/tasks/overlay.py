@@ -40,17 +40,20 @@ def _draw_robot(canvas: Bytes, robot: RobotSighting, camera: CameraModel, settin
         draw_line(canvas, center, (x, y), DARK, 4)
         draw_line(canvas, center, (x, y), color, 2)
         name += f" {math.degrees(robot.heading_rad):+.0f} deg"
-    label = f"{robot.team} {name} {robot.confidence:.2f}"
-    draw_text(canvas, label, (center[0] + radius_px + 4, center[1] - 4), color)
+    _label(canvas, f"{robot.team} {name}", (center[0] + radius_px + 3, center[1] - 3), color)
 
 
 def _draw_ball(canvas: Bytes, ball: BallSighting, camera: CameraModel, settings: Settings) -> None:
     radius = settings.ball.radius_m
     radius_px = radius * camera.pixels_per_metre((ball.x_m, ball.y_m), radius) + 3.0
     _ring(canvas, (ball.x_px, ball.y_px), radius_px, BALL_COLOR)
-    draw_text(canvas, f"ball {ball.confidence:.2f}", (ball.x_px + radius_px + 4, ball.y_px + 4), BALL_COLOR)
+    _label(canvas, f"ball {ball.confidence:.2f}", (ball.x_px + radius_px + 3, ball.y_px + 4), BALL_COLOR)
 
 
 def _ring(canvas: Bytes, center: tuple[float, float], radius_px: float, color: Color) -> None:
     draw_circle(canvas, center, radius_px, DARK, 3)
     draw_circle(canvas, center, radius_px, color, 1)
+
+
+def _label(canvas: Bytes, text: str, place: tuple[float, float], color: Color) -> None:
+    draw_text(canvas, text, place, color, scale=max(0.35, canvas.shape[1] / 3000.0))
