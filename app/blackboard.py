@@ -8,7 +8,7 @@ from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
 from vision_core.rtdb import records
 from vision_core.rtdb.records import ItemReader, Processes, ServiceInfo, Serving, SourceInfo, TaskInfo, Timed, Views
-from vision_core.rtdb.slots import READ_TRIES
+from vision_core.rtdb.slots import READ_TRIES, Glance
 from vision_core.rtdb.store import Store
 from vision_core.types.objects import Sightings
 from vision_core.types.tracks import World
@@ -52,6 +52,10 @@ class Readings:
     """By name of the process; one that has never written is not in it."""
 
 
+def _stamp_of(glance: Glance, now: Instant) -> FrameStamp:
+    return FrameStamp(glance.sequence, glance.measured, seconds_between(glance.measured, now))
+
+
 class Blackboard:
     """Reads the database. Raises LookupError when the supervisor has not written its first record."""
 
@@ -83,7 +87,7 @@ class Blackboard:
             now=now,
             service=self.service,
             processes=self._processes.read(now),
-            frame=glance and FrameStamp(glance.sequence, glance.measured, seconds_between(glance.measured, now)),
+            frame=_stamp_of(glance, now) if glance is not None else None,
             source=self._source.read(now),
             sightings=self._sightings.read(now),
             world=self._world.read(now),
@@ -111,5 +115,6 @@ class Blackboard:
     @property
     def sequences(self) -> tuple[int, ...]:
         """Changes whenever a record was written."""
-        readers = (self._processes, self._sightings, self._world, self._views, self._serving, *self._tasks.values())
-        return tuple(reader.sequence for reader in readers)
+        readers = (self._processes, self._sightings, self._world, self._views, self._serving)
+        tasks = (reader.sequence for reader in self._tasks.values())
+        return (*(reader.sequence for reader in readers), *tasks)

@@ -109,7 +109,7 @@ class Outlines:
     def __init__(self, settings: Settings) -> None:
         self._camera = camera_model_from(settings)
         self._robots = settings.robots
-        self._angles: Floats = np.arange(STEPS) * (math.tau / STEPS)
+        self._angles: Floats = np.linspace(0.0, math.tau, STEPS, endpoint=False)
 
     def of(self, robots: Sequence[RobotSighting]) -> list[Points]:
         """Per robot STEPS points [px], the first one where its heading points to."""

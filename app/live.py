@@ -167,7 +167,9 @@ class Live:
 
     def _encoded_picture(self) -> tuple[int, bytes] | None:
         picture = self._blackboard.picture()
-        return picture and (picture.number, picture_message(picture, self._blackboard.service.boot))
+        if picture is None:
+            return None
+        return picture.number, picture_message(picture, self._blackboard.service.boot)
 
     def _encoded_state(self) -> str:
         readings = self._blackboard.read()

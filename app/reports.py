@@ -5,7 +5,7 @@ from pydantic import BaseModel, ConfigDict
 from app.blackboard import Readings
 from app.readiness import reasons_not_ready
 from vision_core.clock import seconds_between
-from vision_core.rtdb.records import ClientInfo, ProcessInfo, Serving
+from vision_core.rtdb.records import ClientInfo, ProcessInfo, Serving, SourceInfo
 from vision_core.types.objects import Team
 
 
@@ -127,13 +127,17 @@ def status_from(readings: Readings) -> Status:
         uptime_s=seconds_between(service.boot, readings.now),
         http=service.http,
         udp=service.udp,
-        source=source and Source(uri=source.uri, description=source.description, repeats=source.repeats),
+        source=_source(source) if source is not None else None,
         cameras=[_camera(readings)],
         clients=[_client(client, readings) for client in serving.clients] if serving else [],
         lag=_lag(serving) if serving else None,
         refused=list(serving.refused) if serving else [],
         processes=[_process(process, readings) for process in _processes(readings)],
     )
+
+
+def _source(source: SourceInfo) -> Source:
+    return Source(uri=source.uri, description=source.description, repeats=source.repeats)
 
 
 def _lag(serving: Serving) -> Lag | None:

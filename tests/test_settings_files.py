@@ -56,7 +56,7 @@ def test_every_key_of_the_default_file_is_explained() -> None:
 def test_settings_are_frozen() -> None:
     settings = load_settings()
     with pytest.raises(AttributeError):
-        settings.camera.rate_hz = 60.0
+        settings.camera.rate_hz = 60.0  # type: ignore[misc]
 
 
 def test_later_layers_win(tmp_path: Path) -> None:

@@ -36,7 +36,8 @@ class CameraModel(ABC):
         pixels: shape (n, 2) [px]; returns shape (n, 2) [m]; nan for a ray that never gets there.
         """
         floor = self._floor_from_pixel(np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
-        return floor + (self.position_m[:2] - floor) * (height_m / self.position_m[2])
+        above: Floats = floor + (self.position_m[:2] - floor) * (height_m / self.position_m[2])
+        return above
 
     def pixel_from_field(self, points: Floats, height_m: float | Floats = 0.0) -> Floats:
         """Where points of the field at a height are seen.
@@ -134,7 +135,7 @@ class HomographyCamera(CameraModel):
     def __init__(self, pixels: Floats, points_m: Floats, position_m: Sequence[float]) -> None:
         super().__init__(position_m)
         self.floor_from_image: Floats = frozen(homography(pixels, points_m))
-        self.image_from_floor: Floats = frozen(np.linalg.inv(self.floor_from_image))
+        self.image_from_floor: Floats = frozen(np.asarray(np.linalg.inv(self.floor_from_image), dtype=np.float64))
 
     def _floor_from_pixel(self, pixels: Floats) -> Floats:
         return _mapped(self.floor_from_image, pixels)
@@ -162,7 +163,8 @@ def homography(source: Floats, target: Floats) -> Floats:
             accepted="four points that span the field",
         )
     matrix: Floats = np.linalg.inv(normal_there) @ right[-1].reshape(3, 3) @ normal_here
-    return matrix / matrix[2, 2]
+    scaled: Floats = matrix / matrix[2, 2]
+    return scaled
 
 
 def _normalized(points: Floats) -> tuple[Floats, Floats]:

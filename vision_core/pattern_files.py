@@ -11,7 +11,7 @@ from vision_core.settings import Positive, Record
 from vision_core.settings_files import find_file, read_layer
 
 
-class Pattern(Record):
+class Pattern(Record, frozen=True):
     """A marker of one dot in the team's color at the robot's center, and further dots that tell the id.
 
     Robot space: origin at the center dot, x forward, y left.

@@ -22,7 +22,7 @@ Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 
 
-class ServerSettings(Record):
+class ServerSettings(Record, frozen=True):
     """Where the service listens."""
 
     host: Annotated[str, Meta(description="address of the web page")]
@@ -32,13 +32,13 @@ class ServerSettings(Record):
     session_port: Annotated[Port, Meta(description="UDP port of all sessions; 0: udp_port + 1")]
 
 
-class SourceSettings(Record):
+class SourceSettings(Record, frozen=True):
     """Where frames come from."""
 
     uri: Annotated[str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n or path>")]
 
 
-class PinholeSettings(Record):
+class PinholeSettings(Record, frozen=True):
     """Lens and pose of a calibrated camera."""
 
     focal_px: Positive
@@ -48,7 +48,7 @@ class PinholeSettings(Record):
     rotation_deg: Annotated[Point3, Meta(description="about the camera's x, y, z; 0 0 0 looks straight down")]
 
 
-class NamedPoint(Record):
+class NamedPoint(Record, frozen=True):
     """A point of the floor whose place is known in the picture and on the field."""
 
     name: str
@@ -56,14 +56,14 @@ class NamedPoint(Record):
     field_m: Point2
 
 
-class HomographySettings(Record):
+class HomographySettings(Record, frozen=True):
     """A camera from named points of the floor."""
 
     points: Annotated[tuple[NamedPoint, ...], Meta(min_length=4)]
     position_m: Annotated[Point3, Meta(description="optical center in the field, by tape measure")]
 
 
-class CameraSettings(Record):
+class CameraSettings(Record, frozen=True):
     """One ceiling camera."""
 
     name: Annotated[str, Meta(pattern="^[a-z][a-z0-9_]{0,15}$")]
@@ -76,7 +76,7 @@ class CameraSettings(Record):
     homography: HomographySettings | None = None
 
 
-class SyntheticSettings(Record):
+class SyntheticSettings(Record, frozen=True):
     """The simulated ceiling camera: what it renders and how badly."""
 
     seed: int
@@ -93,14 +93,14 @@ class SyntheticSettings(Record):
     feet: Annotated[int, Meta(ge=0, le=20)]
 
 
-class GoalSettings(Record):
+class GoalSettings(Record, frozen=True):
     """Both goals."""
 
     width_m: NotNegative
     depth_m: NotNegative
 
 
-class FieldSettings(Record):
+class FieldSettings(Record, frozen=True):
     """The field's measures: from the outer edge of one line to the outer edge of the opposite one."""
 
     name: str
@@ -117,7 +117,7 @@ class FieldSettings(Record):
     goal: GoalSettings
 
 
-class MirrorSettings(Record):
+class MirrorSettings(Record, frozen=True):
     """A, B, C of equation 1, for distances in millimetres."""
 
     a: float
@@ -125,7 +125,7 @@ class MirrorSettings(Record):
     c: float
 
 
-class ColorRange(Record):
+class ColorRange(Record, frozen=True):
     """A box in the chosen color space; what is left out is not looked at. An angle may wrap: (350, 10)."""
 
     hue_deg: tuple[Degrees, Degrees] | None = None
@@ -136,14 +136,14 @@ class ColorRange(Record):
     luma: Annotated[tuple[float, float] | None, Meta(description="0..255")] = None
 
 
-class ColorSettings(Record):
+class ColorSettings(Record, frozen=True):
     """Color classes. A class is one box or several; where two claim a color, the one listed first wins."""
 
     space: Annotated[Literal["hsv", "ymp"], Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase")]
     classes: dict[str, tuple[ColorRange, ...]]
 
 
-class BlobSettings(Record):
+class BlobSettings(Record, frozen=True):
     """What becomes a blob, and how much memory is taken for it."""
 
     min_area_px: Annotated[int, Meta(ge=1, description="smaller blobs are noise")]
@@ -151,7 +151,7 @@ class BlobSettings(Record):
     max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
 
 
-class RobotSettings(Record):
+class RobotSettings(Record, frozen=True):
     """Robots and how they are recognized."""
 
     pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
@@ -163,7 +163,7 @@ class RobotSettings(Record):
     min_confidence: Share
 
 
-class BallSettings(Record):
+class BallSettings(Record, frozen=True):
     """The ball and what counts as one."""
 
     color: Annotated[str, Meta(description="name of a color class")]
@@ -180,7 +180,7 @@ class BallSettings(Record):
     min_confidence: Share
 
 
-class TrackSettings(Record):
+class TrackSettings(Record, frozen=True):
     """Kalman filters and the lives of tracks."""
 
     validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="a robot unseen for longer is gone")]
@@ -194,13 +194,13 @@ class TrackSettings(Record):
     ball_noise_m: Positive
 
 
-class ViewSettings(Record):
+class ViewSettings(Record, frozen=True):
     """What a robot sees."""
 
     r_min_m: Annotated[float, Meta(ge=0.0, description="nearest distance reported; 0: the robot's own radius")]
 
 
-class Letters(Record):
+class Letters(Record, frozen=True):
     """Edge types on the wire. Robots by number: consecutive letters from the given ones."""
 
     nothing: Annotated[str, Meta(pattern="^[!-~]$")]
@@ -215,20 +215,20 @@ class Letters(Record):
     first_yellow: Annotated[str, Meta(pattern="^[!-~]$")]
 
 
-class ProtocolSettings(Record):
+class ProtocolSettings(Record, frozen=True):
     """The wire."""
 
     letters: Letters
     lease_s: Annotated[float, Meta(gt=0.0, description="a version-1 client silent for longer is dropped")]
 
 
-class AdmissionSettings(Record):
+class AdmissionSettings(Record, frozen=True):
     """Who may connect beside loopback."""
 
     subnets: Annotated[tuple[str, ...], Meta(description="addresses or subnets, 192.168.1.0/24")]
 
 
-class MatchSettings(Record):
+class MatchSettings(Record, frozen=True):
     """What a match fixes, the same for both teams."""
 
     numbers: Annotated[int, Meta(ge=1, le=16, description="robots per team that may connect")]
@@ -239,7 +239,7 @@ class MatchSettings(Record):
     ]
 
 
-class Settings(Record):
+class Settings(Record, frozen=True):
     """Everything."""
 
     field_preset: Annotated[str, Meta(description="file in config/fields, without its ending")]

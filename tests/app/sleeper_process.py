@@ -14,7 +14,7 @@ def main() -> None:
     if name == "job":
         print("1 of 1: nothing", flush=True)
         return
-    if name == "crasher":
+    if name == "faller":
         sys.exit(3)
     while not attachment.stopping or name == "deaf":
         writer.write(b"beat", monotonic(), monotonic())

@@ -111,9 +111,9 @@ def test_a_hung_process_is_killed_and_comes_back() -> None:
 
 @pytest.mark.slow
 def test_a_process_that_keeps_crashing_is_disabled_and_that_is_said() -> None:
-    with service("crasher", "one") as started:
-        table = started.until(lambda table: table["crasher"]["state"] == "disabled")
-        assert table["crasher"]["detail"] == "5 ends within a minute, the last with exit status 3"
+    with service("faller", "one") as started:
+        table = started.until(lambda table: table["faller"]["state"] == "disabled")
+        assert table["faller"]["detail"] == "5 ends within a minute, the last with exit status 3"
         assert table["one"]["state"] == "running"
 
 
