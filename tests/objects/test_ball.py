@@ -147,3 +147,12 @@ def test_best_first_and_rejected_ones_are_counted(drawn: Picture, place: tuple[f
     assert math.dist((balls[0].x_m, balls[0].y_m), place) < 0.002
     balls, reasons = found(drawn, ball_settings(min_area=1.4))
     assert reasons == ("no ball: 3 orange blobs: 2 too small (ball.min_area), 1 too large (ball.max_area)",)
+
+
+def test_between_the_lines_comes_before_a_better_one_outside(drawn: Picture, place: tuple[float, float]) -> None:
+    drawn.paint_ball(*place)
+    drawn.paint_disc("orange", place[0] - 0.1, place[1], 0.014, RADIUS)
+    short = msgspec.structs.replace(SETTINGS.field, length_m=2.0 * (place[0] - 0.05), margin_m=1.0)
+    first, second = found(drawn, field=short)[0]
+    assert first.x_m < place[0] - 0.05 < second.x_m
+    assert first.confidence < second.confidence

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.camera_model import CameraModel
-from vision_core.field_model import is_accepted
+from vision_core.field_model import is_accepted, is_between_lines
 from vision_core.geometry import Bytes, Floats
 from vision_core.objects.scale import likeness, pixels_per_square_metre
 from vision_core.settings import BallSettings, FieldSettings
@@ -72,7 +72,7 @@ def find_balls(
     ball: BallSettings,
     field: FieldSettings,
 ) -> tuple[tuple[BallSighting, ...], tuple[str, ...]]:
-    """The balls that blobs show, best first, and why there is none.
+    """The balls that blobs show, those between the lines first, then by confidence, and why there is none.
 
     pixels: the picture itself, shape (height, width, 3), for the surroundings; table: of all classes.
     """
@@ -81,8 +81,7 @@ def find_balls(
     if not passed.all(axis=1).any():
         return (), (_why_none(passed, ball),)
     confidences = confidence(found)
-    order = sorted(np.flatnonzero(passed.all(axis=1)).tolist(), key=lambda blob: -confidences[blob])
-    return tuple(
+    balls = [
         BallSighting(
             x_px=float(found.pixel[blob, 0]),
             y_px=float(found.pixel[blob, 1]),
@@ -90,8 +89,10 @@ def find_balls(
             y_m=float(found.place_m[blob, 1]),
             confidence=float(confidences[blob]),
         )
-        for blob in order
-    ), ()
+        for blob in np.flatnonzero(passed.all(axis=1))
+    ]
+    balls.sort(key=lambda one: (not is_between_lines(field, one.x_m, one.y_m), -one.confidence))
+    return tuple(balls), ()
 
 
 def confidence(found: Candidates) -> Floats:

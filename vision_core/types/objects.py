@@ -44,7 +44,7 @@ class BallSighting:
 
 @dataclass(frozen=True, slots=True)
 class Sightings:
-    """Everything seen in one frame. Balls are ordered by confidence, best first."""
+    """Everything seen in one frame. Balls: those between the lines first, then by confidence."""
 
     camera: str
     frame_number: int
