@@ -34,7 +34,9 @@ class DeviceCamera:
         self._video = open_camera(device, camera.width_px, camera.height_px, camera.rate_hz)
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         try:
-            check_size(f"camera {device}", (self._video.width_px, self._video.height_px), (self.width_px, self.height_px))
+            check_size(
+                f"camera {device}", (self._video.width_px, self._video.height_px), (self.width_px, self.height_px)
+            )
             self.grab(np.empty((self.height_px, self.width_px, 3), dtype=np.uint8))
         except SourceError:
             self.close()

@@ -9,8 +9,9 @@ is not added to the image but comes out of the geometry.
 
 *Background*: all that stands still is sampled 4x4 times per pixel, once (``background``, ``floor``).
 *Things that move* are drawn over a copy of it in small windows: robots and legs are upright prisms, the ball
-is a sphere. Each of a pixel's 4x4 samples has its own place in the pixel and its own time within the exposure,
-so that smooth edges and motion blur come from the same sixteen rays (``render``, ``sprites``). Painting from
+is a sphere. Each of a pixel's 4x4 samples has its own place in the pixel's footprint, which is a little wider
+than the pixel as behind any lens, and its own time within the exposure, so that smooth edges, soft focus and
+motion blur come from the same sixteen rays (``render``, ``sprites``). Painting from
 the outside inwards, seen from the camera, makes nearer things hide those behind them.
 *Light* (vignetting, lamps) multiplies all of it; *noise* as a sensor makes it comes last (``noise``).
 

@@ -114,8 +114,8 @@ def _light(synthetic: SyntheticSettings, floor: FloatImage) -> FloatImage:
     off = ((u - (width - 1) / 2.0) ** 2 + (v - (height - 1) / 2.0) ** 2) / ((width**2 + height**2) / 4.0)
     place = np.nan_to_num(floor)
     lamps = np.sin(place[..., 0] / LAMPS_M * math.pi + 0.8) * np.cos(place[..., 1] / LAMPS_M * math.pi - 0.6)
-    light: FloatImage = synthetic.brightness * (1.0 - synthetic.vignetting * off)
-    return (light * (1.0 + 0.5 * synthetic.uneven_light * lamps)).astype(np.float32)
+    lens = synthetic.brightness * (1.0 - synthetic.vignetting * off)
+    return np.asarray(lens * (1.0 + 0.5 * synthetic.uneven_light * lamps), dtype=np.float32)
 
 
 def _clutter(settings: Settings, venue: Venue) -> Floats:

@@ -30,7 +30,9 @@ class SyntheticCamera:
         model = camera_model_from(settings)
         if not isinstance(model, PinholeCamera):
             raise SourceError(
-                "source.uri = synthetic with camera.model", found=settings.camera.model, accepted="pinhole: a lens to render"
+                "source.uri = synthetic with camera.model",
+                found=settings.camera.model,
+                accepted="pinhole: a lens to render",
             )
         self.width_px, self.height_px = settings.camera.width_px, settings.camera.height_px
         self.rate_hz = settings.camera.rate_hz

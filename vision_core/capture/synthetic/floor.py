@@ -13,6 +13,8 @@ FloatImage: TypeAlias = NDArray[np.float32]
 
 GRID = 4
 """Samples per pixel and axis."""
+FOOTPRINT_PX = 1.5
+"""Width of the area from which a pixel gathers its light: a lens is never sharper than its pixels."""
 DEPTHS = 8
 """Heights at which a ray is tried against walls and goals."""
 
@@ -90,15 +92,15 @@ def color_floor(
             ux, uy = (floor[v + 1, u + 2] - floor[v + 1, u]) * 0.5
             vx, vy = (floor[v + 2, u + 1] - floor[v, u + 1]) * 0.5
             _shade(shade, venue, x, y)
-            size = abs(ux) + abs(uy) + abs(vx) + abs(vy)
+            size = FOOTPRINT_PX * (abs(ux) + abs(uy) + abs(vx) + abs(vy))
             if _is_plain_carpet(venue, x, y, size, lines, arcs):
                 image[v, u] = colors[CARPET] * shade[CARPET]
                 continue
             image[v, u] = 0.0
             near = _gather(nearby, things, x, y, size)
             for sample in range(GRID * GRID):
-                du = (sample % GRID + 0.5) / GRID - 0.5
-                dv = (sample // GRID + 0.5) / GRID - 0.5
+                du = FOOTPRINT_PX * ((sample % GRID + 0.5) / GRID - 0.5)
+                dv = FOOTPRINT_PX * ((sample // GRID + 0.5) / GRID - 0.5)
                 x_ray, y_ray = x + du * ux + dv * vx, y + du * uy + dv * vy
                 _color_ray(color, venue, eye, x_ray, y_ray, lines, arcs, nearby[:near], colors, shade)
                 for channel in range(3):

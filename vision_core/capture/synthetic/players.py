@@ -74,13 +74,15 @@ class Players:
             wishes[i] = (*velocity, min(max(turn, -MOST_TURN_RAD_S), MOST_TURN_RAD_S))
 
     def _choose_chasers(self, robots: Floats, ball: Floats) -> None:
-        """The robot of each team that is nearest to the ball; the present one stays unless another is clearly nearer."""
+        """Of each team the robot nearest to the ball; the present one stays unless another is clearly nearer."""
         for team in Team:
             members = [i for i, player in enumerate(self._players) if player.team == team]
             fielders = [i for i in members if not self._players[i].keeper] or members
             present = self._chasers.get(team)
             if fielders:
-                distance = {i: math.hypot(*(robots[i, :2] - ball[:2])) * (0.7 if i == present else 1.0) for i in fielders}
+                distance = {
+                    i: math.hypot(*(robots[i, :2] - ball[:2])) * (0.7 if i == present else 1.0) for i in fielders
+                }
                 self._chasers[team] = min(distance, key=distance.__getitem__)
 
     def _chase(self, robot: Floats, ball: Floats, player: Player) -> tuple[Floats, float]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from vision_core.camera_model import PinholeCamera
 from vision_core.capture.synthetic.background import make_background
+from vision_core.capture.synthetic.floor import FOOTPRINT_PX, GRID
 from vision_core.capture.synthetic.noise import SensorNoise
 from vision_core.capture.synthetic.physics import FRONT, no_bodies
 from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, draw_ball, draw_prism, draw_shadow
@@ -133,8 +134,8 @@ class Renderer:
 
 
 def _samples(exposure_s: float) -> Floats:
-    """Offsets in the pixel and in time of its 16 rays, shape (16, 3) [px, px, s]."""
-    side = (np.arange(4) + 0.5) / 4.0 - 0.5
+    """Offsets of a pixel's 16 rays in the image and in time, shape (16, 3) [px, px, s]."""
+    side = FOOTPRINT_PX * ((np.arange(GRID) + 0.5) / GRID - 0.5)
     v, u = np.meshgrid(side, side, indexing="ij")
     times = ((TIME_ORDER - 0.5) / 16.0 - 0.5) * exposure_s
     return np.column_stack([u.ravel(), v.ravel(), times.ravel()])
@@ -150,9 +151,14 @@ def _robot_look(settings: Settings, pattern: Pattern, team: Team, worn_id: int) 
         )
     names = {name[0].upper(): name for name in pattern.dot_colors}
     paints = [PLATE_BGR, BODY_BGR, _paint(team, "team"), *(_paint(names[letter], "dot_colors") for letter in code)]
-    dots = [(0.0, 0.0, pattern.center_diameter_mm / 2.0), *((x, y, pattern.dot_diameter_mm / 2.0) for x, y in pattern.dots_mm)]
+    dots = [
+        (0.0, 0.0, pattern.center_diameter_mm / 2.0),
+        *((x, y, pattern.dot_diameter_mm / 2.0) for x, y in pattern.dots_mm),
+    ]
     radius = settings.robots.radius_m
-    return Look(radius, FRONT * radius, settings.robots.height_m, np.array(paints, dtype=np.float64), np.array(dots) / 1e3)
+    return Look(
+        radius, FRONT * radius, settings.robots.height_m, np.array(paints, dtype=np.float64), np.array(dots) / 1e3
+    )
 
 
 def _paint(name: str, asked: str) -> tuple[int, int, int]:

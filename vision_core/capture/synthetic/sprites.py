@@ -1,7 +1,7 @@
 """Kernels that draw things that move, each into a small window of the image.
 
 A window is u0, v0, u1, v1 [px], the last two exclusive. Samples are the rays of a pixel: their offsets
-within it and their times within the exposure, shape (16, 3) [px, px, s]. Every kernel gets the floor points
+from its middle and their times within the exposure, shape (16, 3) [px, px, s]. Every kernel gets the floor points
 of ``background`` and the optical center, called eye. Bodies are rows of ``physics``.
 """
 
@@ -57,11 +57,12 @@ def draw_prism(
     poses = _poses(body, samples)
     still = np.array([body[0], body[1], math.cos(body[2]), math.sin(body[2])])
     lift = height / eye[2]
+    reach_px = np.abs(samples[:, :2]).max()
     smear = (math.hypot(body[3], body[4]) + abs(body[5]) * radius) * np.abs(samples[:, 2]).max()
     for v in range(window[1], window[3]):
         for u in range(window[0], window[2]):
             x, y, ux, uy, vx, vy = pixel_on_floor(floor, u, v)
-            margin = 0.5 * (math.sqrt(ux * ux + uy * uy) + math.sqrt(vx * vx + vy * vy)) + smear
+            margin = reach_px * math.sqrt(ux * ux + uy * uy + vx * vx + vy * vy) + smear
             material = _material(x, y, still, eye, lift, radius, front, dots, margin)
             if material == NOTHING:
                 continue

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vision_core.camera_model import CameraModel
 from vision_core.capture.synthetic.physics import FRONT
@@ -14,6 +15,8 @@ from vision_core.geometry import Floats, wrap_angle
 from vision_core.kernels import kernel
 from vision_core.settings import Settings
 from vision_core.types.objects import Team
+
+Mask = NDArray[np.bool_]
 
 RINGS, SPOKES = 5, 16
 RIM_POINTS = 8
@@ -78,7 +81,7 @@ def visible_share(scene: Snapshot, camera: CameraModel, settings: Settings) -> f
 @kernel
 def clear_points(
     points: Floats, eye: Floats, robots: Floats, radius: float, front: float, height: float
-) -> Floats:  # fmt: skip
+) -> Mask:  # fmt: skip
     """Which points, shape (n, 3), no robot hides from the eye; shape (n,)."""
     clear = np.ones(len(points), dtype=np.bool_)
     for i in range(len(points)):
@@ -110,16 +113,14 @@ def _disc(ball: Floats, radius_m: float, eye: Floats) -> Floats:
     return points
 
 
-def _tops_inside(robots: Floats, camera: CameraModel, settings: Settings) -> Floats:
+def _tops_inside(robots: Floats, camera: CameraModel, settings: Settings) -> Mask:
     turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
     rim = settings.robots.radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
     points = (robots[:, None, :2] + rim).reshape(-1, 2)
     pixels = camera.pixel_from_field(points, settings.robots.height_m)
-    inside: Floats = _in_image(pixels, settings).reshape(-1, RIM_POINTS).all(axis=1)
-    return inside
+    return np.asarray(_in_image(pixels, settings).reshape(-1, RIM_POINTS).all(axis=1))
 
 
-def _in_image(pixels: Floats, settings: Settings) -> Floats:
+def _in_image(pixels: Floats, settings: Settings) -> Mask:
     size = np.array([settings.camera.width_px, settings.camera.height_px])
-    inside: Floats = ((pixels >= -0.5) & (pixels <= size - 0.5)).all(axis=1)
-    return inside
+    return np.asarray(((pixels >= -0.5) & (pixels <= size - 0.5)).all(axis=1))

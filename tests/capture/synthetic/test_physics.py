@@ -1,0 +1,73 @@
+"""Steps of single bodies: rolling, walls, collisions, the dribbler."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vision_core.capture.synthetic.physics import REBOUND_WALL, ROLLING_M_S2, STEP_S, holds_ball, move, no_bodies
+from vision_core.geometry import Floats
+
+RADII = np.array([0.09, 0.021])
+HALF = np.array([2.0, 2.0])
+WALL = np.array([[1.0, -2.0, 1.0, 2.0]])
+NO_SOLIDS = np.empty((0, 4))
+
+
+def roll(robots: Floats, ball: Floats, solids: Floats, duration_s: float, wishes: Floats | None = None) -> None:
+    move(
+        robots,
+        np.zeros((len(robots), 3)) if wishes is None else wishes,
+        ball,
+        solids,
+        HALF,
+        RADII,
+        round(duration_s / STEP_S),
+    )
+
+
+def body(*values: float) -> Floats:
+    row: Floats = no_bodies(1)[0]
+    row[: len(values)] = values
+    return row
+
+
+def test_a_ball_rolls_until_friction_has_stopped_it() -> None:
+    ball = body(0.0, 0.0, 0.0, 0.7, 0.0)
+    roll(no_bodies(0), ball, NO_SOLIDS, 5.0)
+    assert ball[3] == 0.0
+    assert ball[0] == pytest.approx(0.7**2 / (2.0 * ROLLING_M_S2), rel=0.02)
+
+
+@pytest.mark.parametrize("speed", [0.5, 3.5, 8.0])
+def test_a_wall_returns_the_ball_with_a_share_of_its_speed(speed: float) -> None:
+    ball = body(0.9, 0.0, 0.0, speed, 0.3)
+    roll(no_bodies(0), ball, WALL, 0.2)
+    assert ball[0] < 1.0
+    assert ball[3] == pytest.approx(-REBOUND_WALL * speed, abs=0.2)
+    assert ball[4] > 0.2
+
+
+def test_two_robots_that_meet_stop_where_they_touch() -> None:
+    robots = np.array([body(-0.5, 0.0), body(0.5, 0.0)])
+    wishes = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+    roll(robots, body(0.0, 1.5), NO_SOLIDS, 2.0, wishes)
+    assert math.dist(robots[0, :2], robots[1, :2]) == pytest.approx(0.18, abs=0.005)
+
+
+def test_the_front_takes_the_ball_along_and_the_back_does_not() -> None:
+    robots = np.array([body(0.0, 0.0)])
+    for start, held in ((0.09, True), (-0.115, False)):
+        robots[:] = body(0.0, 0.0)
+        ball = body(start, 0.0)
+        roll(robots, ball, NO_SOLIDS, 0.3, np.array([[0.5, 0.0, 0.0]]))
+        assert holds_ball(robots[0], ball, *RADII) is held
+    assert not holds_ball(body(0.0, 0.0, math.pi), body(0.09, 0.0), *RADII)
+
+
+def test_no_ball_stays_inside_a_robot() -> None:
+    robots = np.array([body(0.0, 0.0, 0.4)])
+    for angle in np.linspace(0.0, math.tau, 40):
+        ball = body(0.05 * math.cos(angle), 0.05 * math.sin(angle))
+        roll(robots, ball, NO_SOLIDS, 0.1)
+        assert math.hypot(*ball[:2]) > 0.085

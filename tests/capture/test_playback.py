@@ -1,0 +1,115 @@
+"""Files: the right picture at the right time, again from the beginning, and errors that help."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from vision_core.capture.source import Source, open_source
+from vision_core.clock import NS_PER_S, ManualClock
+from vision_core.errors import SourceError
+from vision_core.geometry import Bytes
+from vision_core.opencv import write_picture
+from vision_core.settings_files import load_settings
+
+WIDTH, HEIGHT = 96, 64
+
+
+def opened(path: Path) -> Source:
+    options = {"source.uri": f"file:{path}", "camera.width_px": WIDTH, "camera.height_px": HEIGHT}
+    return open_source(load_settings(options=options), ManualClock(), paced=False)
+
+
+def plain(level: int, width: int = WIDTH) -> Bytes:
+    return np.full((HEIGHT, width, 3), level, dtype=np.uint8)
+
+
+def levels(source: Source, count: int) -> list[int]:
+    pixels = plain(0)
+    found = []
+    for _ in range(count):
+        source.grab(pixels)
+        found.append(round(float(pixels.mean())))
+    return found
+
+
+def write_video(path: Path, shades: list[int]) -> None:
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (WIDTH, HEIGHT))
+    for shade in shades:
+        writer.write(plain(shade))
+    writer.release()
+
+
+def test_a_still_repeats_at_the_cameras_rate(tmp_path: Path) -> None:
+    write_picture(tmp_path / "still.png", plain(77))
+    source = opened(tmp_path / "still.png")
+    pixels = plain(0)
+    instants = [source.grab(pixels) for _ in range(3)]
+    assert (pixels == 77).all()
+    assert np.diff(instants).tolist() == pytest.approx([NS_PER_S / 30.0] * 2, abs=1.0)
+    assert source.repeats
+    assert source.description == "picture still.png"
+
+
+def test_a_folder_is_shown_in_order_and_again(tmp_path: Path) -> None:
+    for name, level in (("b.png", 20), ("a.png", 10), ("c.PNG", 30)):
+        write_picture(tmp_path / name.lower(), plain(level))
+        (tmp_path / name.lower()).rename(tmp_path / name)
+    (tmp_path / "truth.json").write_text("{}")
+    source = opened(tmp_path)
+    assert levels(source, 7) == [10, 20, 30, 10, 20, 30, 10]
+    assert source.repeats
+    assert "3 pictures" in source.description
+
+
+def test_a_video_keeps_its_own_rate_and_loops(tmp_path: Path) -> None:
+    write_video(tmp_path / "play.avi", [40, 80, 120, 160])
+    source = opened(tmp_path / "play.avi")
+    assert source.rate_hz == pytest.approx(10.0)
+    assert levels(source, 9) == pytest.approx([40, 80, 120, 160, 40, 80, 120, 160, 40], abs=2)
+    source.close()
+
+
+def test_a_late_reader_misses_frames_of_a_video(tmp_path: Path) -> None:
+    write_video(tmp_path / "play.avi", [40, 80, 120, 160])
+    clock = ManualClock()
+    options = {
+        "source.uri": f"file:{tmp_path / 'play.avi'}", "camera.width_px": WIDTH, "camera.height_px": HEIGHT,
+    }  # fmt: skip
+    source = open_source(load_settings(options=options), clock)
+    assert levels(source, 1) == pytest.approx([40], abs=2)
+    clock.advance(0.2)
+    assert levels(source, 1) == pytest.approx([120], abs=2)
+    source.close()
+
+
+def test_another_size_than_the_venues_is_refused_and_both_are_named(tmp_path: Path) -> None:
+    write_picture(tmp_path / "wide.png", plain(0, width=100))
+    with pytest.raises(SourceError, match="wide.png") as caught:
+        opened(tmp_path / "wide.png")
+    assert caught.value.found == "100x64 px"
+    assert caught.value.accepted.startswith("96x64")
+
+
+def test_a_picture_of_another_size_later_in_a_folder_is_refused_too(tmp_path: Path) -> None:
+    write_picture(tmp_path / "a.png", plain(0))
+    write_picture(tmp_path / "b.png", plain(0, width=100))
+    source = opened(tmp_path)
+    assert levels(source, 1) == [0]
+    with pytest.raises(SourceError, match=r"b\.png"):
+        levels(source, 1)
+
+
+@pytest.mark.parametrize("name", ["empty.png", "broken.jpg", "broken.mp4", "notes.txt"])
+def test_what_is_no_picture_is_refused_by_name(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"" if name.startswith("empty") else b"no image at all")
+    with pytest.raises(SourceError, match=name):
+        opened(tmp_path / name)
+
+
+def test_nothing_there_and_nothing_in_it(tmp_path: Path) -> None:
+    with pytest.raises(SourceError, match="no such file"):
+        opened(tmp_path / "absent.png")
+    with pytest.raises(SourceError, match="no picture in it"):
+        opened(tmp_path)
