@@ -35,8 +35,8 @@ PLATE_BGR, BODY_BGR = (52, 50, 50), (30, 29, 30)
 TROUSERS_BGR, SHOE_BGR = (92, 66, 54), (44, 42, 46)
 
 TIME_ORDER = np.array([[16, 3, 2, 13], [5, 10, 11, 8], [9, 6, 7, 12], [4, 15, 14, 1]])
-"""When each of a pixel's 4x4 rays is taken. A magic square: every row and column has the same mean time,
-so that motion smears a thing and does not move it."""
+"""When each of a pixel's 4x4 rays is taken. A magic square: all rows and columns have the same mean time,
+so that place and time are not correlated, and motion smears a thing straight and not aslant."""
 
 SHADOW_SOFTNESS_M = 0.03
 TIP_PER_M = (-LIGHT_X / LIGHT_Z, -LIGHT_Y / LIGHT_Z)
