@@ -8,7 +8,7 @@ from vision_core.errors import SourceError
 from vision_core.settings_files import load_settings
 
 
-@pytest.mark.parametrize("uri", ["", "sythetic", "synthetic:1", "file:", "camera:", "rtsp://10.0.0.1", "0"])
+@pytest.mark.parametrize("uri", ["", "simulation", "synthetic:1", "file:", "camera:", "rtsp://10.0.0.1", "0"])
 def test_an_unknown_address_names_the_known_ones(uri: str) -> None:
     with pytest.raises(SourceError) as caught:
         open_source(load_settings(options={"source.uri": uri}), ManualClock())

@@ -71,3 +71,13 @@ def test_no_ball_stays_inside_a_robot() -> None:
         ball = body(0.05 * math.cos(angle), 0.05 * math.sin(angle))
         roll(robots, ball, NO_SOLIDS, 0.1)
         assert math.hypot(*ball[:2]) > 0.085
+
+
+def test_a_ball_pressed_against_a_wall_does_not_slip_through_and_stops_the_robot() -> None:
+    for aside in (0.0, 0.03, 0.06):
+        robots = np.array([body(0.7, aside, math.pi)])
+        ball = body(0.9, 0.0)
+        for _ in range(50):
+            roll(robots, ball, WALL, 0.02, np.array([[2.0, 0.0, 0.0]]))
+            assert ball[0] < 1.0
+            assert math.dist(robots[0, :2], ball[:2]) > 0.1

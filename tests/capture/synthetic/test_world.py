@@ -7,6 +7,7 @@ import pytest
 
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.field_model import accepted_half_extent, goal_line_x
+from vision_core.geometry import Floats
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 
@@ -25,8 +26,7 @@ def match(frames: int, **options: Any) -> tuple[Settings, World, list[Snapshot]]
     return settings, world, scenes
 
 
-@pytest.mark.parametrize("preset", ["ssl-2002", "ssl-division-b"])
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("preset", "seed"), [("ssl-2002", 1), ("ssl-2002", 2), ("ssl-division-b", 1)])
 def test_a_match_of_2000_frames(preset: str, seed: int) -> None:
     settings, _, scenes = match(2000, field_preset=preset, synthetic__seed=seed)
     robots = np.array([scene.robots for scene in scenes])
@@ -41,9 +41,8 @@ def test_a_match_of_2000_frames(preset: str, seed: int) -> None:
     assert gaps.min() >= 2.0 * radius - OVERLAP_M
     to_ball = np.hypot(*(robots[..., :2] - balls[:, None, :2]).transpose(2, 0, 1))
     assert to_ball.min() > 0.055
-    assert np.abs(balls[:, 0]).max() <= goal_line_x(settings.field) + max(
-        settings.field.goal.depth_m, 4.0 * PERIOD_S + 4.0
-    )
+    if settings.field.walls:
+        assert_inside_walls_and_goals(balls, settings)
     speeds = np.hypot(balls[:, 3], balls[:, 4])
     assert speeds.mean() > 0.2
     assert (np.diff(speeds) > 0.7).sum() >= 5, "nobody kicked the ball"
@@ -51,9 +50,7 @@ def test_a_match_of_2000_frames(preset: str, seed: int) -> None:
     assert (travelled > 1.0).all(), "a robot never went anywhere"
 
 
-def test_a_ball_inside_walls_stays_inside_walls_and_goals() -> None:
-    settings, _, scenes = match(2000, synthetic__seed=3)
-    balls = np.array([scene.ball for scene in scenes])
+def assert_inside_walls_and_goals(balls: Floats, settings: Settings) -> None:
     half_x, half_y = accepted_half_extent(settings.field)
     assert np.abs(balls[:, 1]).max() < half_y
     beyond = balls[np.abs(balls[:, 0]) > half_x]
@@ -62,7 +59,7 @@ def test_a_ball_inside_walls_stays_inside_walls_and_goals() -> None:
 
 
 def test_goals_are_scored_and_the_ball_comes_back() -> None:
-    settings, _, scenes = match(4000, field_preset="ssl-division-b")
+    settings, _, scenes = match(2500, field_preset="ssl-division-b")
     x = np.array([abs(scene.ball[0]) for scene in scenes])
     out = x > goal_line_x(settings.field)
     returns = np.flatnonzero(out[:-1] & ~out[1:])

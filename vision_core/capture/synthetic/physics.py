@@ -45,6 +45,7 @@ def move(
     keep to, shape (2,); radii: of robots and ball, shape (2,).
     """
     for _ in range(steps):
+        x, y = ball[X], ball[Y]
         for i in range(len(robots)):
             _steer(robots[i], wishes[i])
             _advance(robots[i])
@@ -54,9 +55,14 @@ def move(
             _part(robots, radii[0])
             for i in range(len(robots)):
                 _touch(robots[i], ball, radii[0], radii[1])
+            _rebound(ball, solids, radii[1], REBOUND_WALL)
+            for i in range(len(robots)):
+                _give_way(robots[i], ball, radii[0], radii[1])
                 _rebound(robots[i], solids, radii[0], 0.0)
                 _confine(robots[i], half, radii[0])
-            _rebound(ball, solids, radii[1], REBOUND_WALL)
+        if _is_crossed(solids, x, y, ball[X], ball[Y]):
+            ball[X], ball[Y] = x, y
+            ball[VX] = ball[VY] = 0.0
 
 
 @kernel
@@ -140,24 +146,49 @@ def _confine(robot: Floats, half: Floats, radius: float) -> None:
 
 
 @kernel
-def _touch(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
-    """Push the ball out of a robot; what the dribbler touches it holds."""
+def _is_crossed(solids: Floats, x1: float, y1: float, x2: float, y2: float) -> bool:
+    """Does the way between two points cross a wall or goal? A ball pressed hard may not slip through."""
+    for i in range(len(solids)):
+        ax, ay, bx, by = solids[i]
+        from_a = (bx - ax) * (y1 - ay) - (by - ay) * (x1 - ax)
+        to_a = (bx - ax) * (y2 - ay) - (by - ay) * (x2 - ax)
+        a_side = (x2 - x1) * (ay - y1) - (y2 - y1) * (ax - x1)
+        b_side = (x2 - x1) * (by - y1) - (y2 - y1) * (bx - x1)
+        if from_a * to_a < 0.0 and a_side * b_side < 0.0:
+            return True
+    return False
+
+
+@kernel
+def _overlap(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> tuple[float, float, float, bool]:
+    """Direction from robot to ball where they touch, how deep they overlap there [m], and is it the dribbler?"""
     c, s = math.cos(robot[HEADING]), math.sin(robot[HEADING])
     dx, dy = ball[X] - robot[X], ball[Y] - robot[Y]
     ahead, aside = c * dx + s * dy, c * dy - s * dx
-    rest = FRONT * radius + DRIBBLER_M + ball_radius
     if ahead > 0.0 and abs(aside) < MOUTH * radius:
-        if ahead < rest + GRIP_REACH_M:
-            share = min(1.0, GRIP_PER_S * STEP_S / PASSES)
-            ball[VX] += share * (robot[VX] - robot[TURN] * dy - ball[VX])
-            ball[VY] += share * (robot[VY] + robot[TURN] * dx - ball[VY])
-        if ahead < rest:
-            _push(ball, c, s, rest - ahead, robot[VX], robot[VY], 0.0)
-        return
-    distance = math.hypot(dx, dy)
-    if 1e-9 < distance < radius + ball_radius:
-        depth = radius + ball_radius - distance
-        _push(ball, dx / distance, dy / distance, depth, robot[VX], robot[VY], REBOUND_ROBOT)
+        return c, s, FRONT * radius + DRIBBLER_M + ball_radius - ahead, True
+    distance = max(math.hypot(dx, dy), 1e-9)
+    return dx / distance, dy / distance, radius + ball_radius - distance, False
+
+
+@kernel
+def _touch(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
+    """Push the ball out of a robot; what the dribbler touches it holds."""
+    nx, ny, depth, dribbled = _overlap(robot, ball, radius, ball_radius)
+    if dribbled and depth > -GRIP_REACH_M:
+        share = min(1.0, GRIP_PER_S * STEP_S / PASSES)
+        ball[VX] += share * (robot[VX] - robot[TURN] * (ball[Y] - robot[Y]) - ball[VX])
+        ball[VY] += share * (robot[VY] + robot[TURN] * (ball[X] - robot[X]) - ball[VY])
+    if depth > 0.0:
+        _push(ball, nx, ny, depth, robot[VX], robot[VY], 0.0 if dribbled else REBOUND_ROBOT)
+
+
+@kernel
+def _give_way(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
+    """Push a robot back from a ball that could not move any further."""
+    nx, ny, depth, _ = _overlap(robot, ball, radius, ball_radius)
+    if depth > 0.0:
+        _push(robot, -nx, -ny, depth, 0.0, 0.0, 0.0)
 
 
 def holds_ball(robot: Floats, ball: Floats, radius_m: float, ball_radius_m: float) -> bool:

@@ -16,7 +16,7 @@ DECIDE_EVERY = 8
 """Steps between two decisions of the players and the referee."""
 PAUSE_S = 1.0
 """A ball in a goal or off the field lies so long before the referee puts it back."""
-STUCK_S = 4.0
+STUCK_S = 2.5
 STUCK_M = 0.05
 """A ball that has not moved so far for so long is stuck."""
 FIRST_PUSH_M_S = 0.8
@@ -155,7 +155,7 @@ def _carried(bodies: Floats, duration_s: float) -> Floats:
 
 
 def _feet_paths(settings: Settings) -> Floats:
-    """Straight paths beside the field that people walk to and fro: x1, y1, x2, y2, phase [s]; shape (m, 5)."""
+    """Straight paths beside the field that people walk back and forth on: x1, y1, x2, y2, phase [s]; shape (m, 5)."""
     rng = np.random.default_rng([settings.synthetic.seed, 2])
     half_x, half_y = accepted_half_extent(settings.field)
     goal = settings.field.goal.width_m / 2.0 + 0.25
