@@ -1,5 +1,6 @@
 """The stages composed, on drawn pictures of the default camera's size."""
 
+import itertools
 import math
 
 import msgspec
@@ -11,9 +12,14 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import Instant, ManualClock
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
+from vision_core.objects.ball import MOST_BALLS
+from vision_core.objects.robots import MOST_ROBOTS
+from vision_core.opencv import draw_circle
+from vision_core.rtdb import records
 from vision_core.settings import ColorRange
 from vision_core.settings_models import camera_model_from
 from vision_core.tasks.perception import Perception
+from vision_core.tasks.serving import SceneMaker
 from vision_core.types.image import ImageFrame
 
 CORNER = (420, 40)
@@ -110,3 +116,30 @@ def test_a_simulated_match_is_read_without_a_miss(perception: Perception) -> Non
         if truth.ball.visible_share > 0.5:
             best = seen.balls[0]
             assert math.dist((best.x_m, best.y_m), (truth.ball.x_m, truth.ball.y_m)) < 0.01
+
+
+def cloth(shift_px: int, dots: dict[str, tuple[int, int]], spacing_px: int) -> Bytes:
+    """A picture full of dots of one or two paints, each color at its offset [px]."""
+    height, width = SETTINGS.camera.height_px, SETTINGS.camera.width_px
+    pixels: Bytes = np.full((height, width, 3), PAINTS["carpet"], dtype=np.uint8)
+    for x, y in itertools.product(range(20, width - 20, spacing_px), range(20, height - 20, spacing_px)):
+        for paint, (aside, below) in dots.items():
+            draw_circle(pixels, (x + shift_px + aside, y + below), 4.6, PAINTS[paint], -1)
+    return pixels
+
+
+@pytest.mark.parametrize(
+    ("dots", "spacing_px", "found"),
+    [({"orange": (0, 0)}, 14, MOST_BALLS), ({"blue": (0, 0), "pink": (8, 9)}, 30, MOST_ROBOTS)],
+    ids=["orange", "blue and pink"],
+)
+def test_a_cloth_of_dots_finds_room_in_the_database(
+    perception: Perception, dots: dict[str, tuple[int, int]], spacing_px: int, found: int
+) -> None:
+    scenes, item = SceneMaker(SETTINGS, Instant(0)), records.sightings("main")
+    for number in range(1, 7):
+        pixels = cloth(5 * (number // 2), dots, spacing_px)  # seen twice, then elsewhere: every track is predicted
+        seen = perception.perceive(ImageFrame("main", number, Instant(number * 33_000_000), pixels), ManualClock())
+        assert len(seen.robots) + len(seen.balls) == found
+        assert len(item.encode(seen)) <= item.spec.capacity
+        assert len(records.WORLD.encode(scenes.scene(seen).world)) <= records.WORLD.spec.capacity

@@ -22,6 +22,9 @@ RING_POINTS = 24
 RING_RADII = 1.8
 """Where the surroundings are looked at, in radii of the ball: outside its blurred rim, inside its shadow."""
 
+MOST_BALLS = 32
+"""There is one; what a cloth of dots shows beyond these must not fill the database."""
+
 ROUND_FILL = math.pi / 4.0
 """Share of its box that a disc fills."""
 
@@ -74,6 +77,7 @@ def find_balls(
 ) -> tuple[tuple[BallSighting, ...], tuple[str, ...]]:
     """The balls that blobs show, those between the lines first, then by confidence, and why there is none.
 
+    At most MOST_BALLS, the first ones.
     pixels: the picture itself, shape (height, width, 3), for the surroundings; table: of all classes.
     """
     found = _candidates(blobs, table, pixels, camera, robots, ball, field)
@@ -92,7 +96,7 @@ def find_balls(
         for blob in np.flatnonzero(passed.all(axis=1))
     ]
     balls.sort(key=lambda one: (not is_between_lines(field, one.x_m, one.y_m), -one.confidence))
-    return tuple(balls), ()
+    return tuple(balls[:MOST_BALLS]), ()
 
 
 def confidence(found: Candidates) -> Floats:

@@ -29,6 +29,9 @@ RIVAL_TURN_RAD = math.radians(10.0)
 """A hypothesis for the same center with as many dots, this share of the score and this much turned
 makes the heading ambiguous."""
 
+MOST_ROBOTS = 64
+"""Twice two full teams: what a cloth of dots shows beyond these is no robot, and must find room in the database."""
+
 ENOUGH_DOTS = 3
 """Fewer dots tell no heading: the pattern's angles repeat."""
 
@@ -57,6 +60,7 @@ def find_robots(
 ) -> tuple[tuple[RobotSighting, ...], tuple[str, ...]]:
     """The robots that blobs show, by team and id, and why there are none or what contradicts itself.
 
+    At most MOST_ROBOTS, the surest ones.
     Positions are the fitted marker's center in the field; (x_px, y_px) is its image at marker height.
     """
     measured = _measured(blobs, table, {*TEAMS, *marker.dot_colors}, camera, settings.height_m)
@@ -120,7 +124,7 @@ def _compete(rows: list[Row], settings: RobotSettings) -> dict[int, bool]:
             continue
         dots = {dot for dot in row[FIRST_DOT:] if dot >= 0}
         near = (math.hypot(row[X] - rows[other][X], row[Y] - rows[other][Y]) for other in ambiguous)
-        if not dots & used and all(distance >= spacing for distance in near):
+        if len(ambiguous) < MOST_ROBOTS and not dots & used and all(distance >= spacing for distance in near):
             winner_of_center[row[CENTER]] = number
             ambiguous[number] = False
             used |= dots

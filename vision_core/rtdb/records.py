@@ -224,7 +224,7 @@ class ItemWriter(Generic[T]):
 
 SERVICE = Item("service", ServiceInfo, 65536, 0.0)
 PROCESSES = Item("processes", Processes, 16384, 3.0, json=True)  # the supervisor is standard library only
-WORLD = Item("world", World, 16384, 0.25)
+WORLD = Item("world", World, 262144, 0.25)  # room for tracks of things that flicker and are predicted for a while
 VIEWS = Item("views", Views, 65536, 0.25)
 SERVING = Item("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
