@@ -1,24 +1,39 @@
-"""Process that runs for a moment before the service: can the source be opened? Settings on standard input."""
+"""Process that runs for a moment before the service: can the tasks work with these settings?
+
+Settings come on standard input. What is found here is one line for a person; found later, it would be a
+process that dies again and again.
+"""
 
 import sys
 
 import msgspec
 
 from vision_core.capture.source import open_source
-from vision_core.clock import MonotonicClock
+from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import PslvError
+from vision_core.protocol.admission import Admission
 from vision_core.settings import Settings
+from vision_core.tasks.perception import Perception
+from vision_core.tasks.serving import SceneMaker
 
 
 def main() -> int:
-    """Open the source and close it; exit status 2 and one line on standard error when that fails."""
+    """Check the settings, open the source and close it; exit status 2 and one line on standard error if that fails."""
     settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
     try:
+        check_tasks(settings)
         open_source(settings, MonotonicClock()).close()
     except PslvError as error:
         print(error, file=sys.stderr)
         return 2
     return 0
+
+
+def check_tasks(settings: Settings) -> None:
+    """Make what the tasks make of settings: pattern and its colors, letters, admitted subnets. Raises SettingsError."""
+    Perception(settings)
+    SceneMaker(settings, Instant(0))
+    Admission.from_subnets(settings.admission.subnets)
 
 
 if __name__ == "__main__":
