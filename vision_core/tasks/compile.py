@@ -31,8 +31,8 @@ def main() -> None:
     steps = warm_up_steps(settings)
     for number, (name, step) in enumerate(steps, start=1):
         print(f"{number} of {len(steps)}: {name}", flush=True)
-        step()
         gauge.publish(clock.now())
+        step()
     complete.touch()
     versions = sorted(folder.parent.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
     for old in versions[VERSIONS_KEPT:]:

@@ -1,4 +1,8 @@
-"""How a task does: counts its runs and says so twice a second, which is also its heartbeat."""
+"""How a task does: counts its runs and says so twice a second, which is also its heartbeat.
+
+The heartbeat begins with the first look at what is due, when the task is ready to work: until then, while it
+opens a camera or loads its kernels, the supervisor has the longer patience of a start.
+"""
 
 import os
 import statistics
@@ -21,8 +25,8 @@ class Gauge:
         self._missed = 0
         self._responses_s: list[float] = []
         self._since = now
+        self._begun = False
         self.note = ""
-        self.publish(now)
 
     def ran(self, released: Instant, done: Instant, missed: int = 0) -> None:
         """One run, from its release to its result; missed: releases that were skipped before it."""
@@ -31,8 +35,8 @@ class Gauge:
         self._responses_s.append(seconds_between(released, done))
 
     def publish_if_due(self, now: Instant) -> None:
-        """Publish when half a second has passed since the last time."""
-        if now - self._since >= PUBLISH_EVERY_S * NS_PER_S:
+        """Publish the first time, and when half a second has passed since the last time."""
+        if not self._begun or now - self._since >= PUBLISH_EVERY_S * NS_PER_S:
             self.publish(now)
 
     def publish(self, now: Instant) -> None:
@@ -49,5 +53,6 @@ class Gauge:
             note=self.note,
         )
         self._writer.write(info, now, now)
+        self._begun = True
         self._since = now
         self._responses_s = []
