@@ -117,7 +117,7 @@ class Serving:
 
     clients: tuple[ClientInfo, ...]
     lag_median_ms: float
-    """From the grab to the last client's datagram: the paper's lag A."""
+    """From the grab to the last client's datagram, over the last 300 frames: the paper's lag A."""
     lag_max_ms: float
     refused: tuple[str, ...]
     """Recent requests that were refused, newest last."""

@@ -14,6 +14,7 @@ from vision_core.errors import SourceError
 from vision_core.rtdb import records
 from vision_core.rtdb.attachment import Attachment, attach
 from vision_core.rtdb.records import SourceInfo
+from vision_core.rtdb.slots import SlotWriter
 from vision_core.settings import Settings
 from vision_core.tasks.gauge import Gauge
 
@@ -26,12 +27,14 @@ def main() -> None:
     clock = MonotonicClock()
     gauge = Gauge(attachment, clock.now())
     settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
+    frames = attachment.store.writer(f"frames/{settings.camera.name}")
+    about = records.source(settings.camera.name).writer(attachment.store)
     while not attachment.stopping:
         try:
             source = open_source(settings, clock)
             try:
-                _publish_source(attachment, settings, source)
-                _run(attachment, settings, source, gauge)
+                about.write(_info_of(source, settings), clock.now(), clock.now())
+                _run(attachment, settings, source, frames, gauge)
             finally:
                 source.close()
         except SourceError as error:
@@ -40,26 +43,23 @@ def main() -> None:
             time.sleep(REOPEN_EVERY_S)
 
 
-def _run(attachment: Attachment, settings: Settings, source: Source, gauge: Gauge) -> None:
+def _run(attachment: Attachment, settings: Settings, source: Source, frames: SlotWriter, gauge: Gauge) -> None:
     """Grab frames into the ring until told to stop. Raises SourceError when the source is gone."""
     clock = MonotonicClock()
-    camera = settings.camera
-    spec = records.frames(camera.name, camera.width_px, camera.height_px)
-    writer = attachment.store.writer(spec.name)
-    shape = (camera.height_px, camera.width_px, 3)
+    shape = (settings.camera.height_px, settings.camera.width_px, 3)
     while not attachment.stopping:
-        pixels = np.frombuffer(writer.begin(), dtype=np.uint8).reshape(shape)
+        pixels = np.frombuffer(frames.begin(), dtype=np.uint8).reshape(shape)
         grabbed = source.grab(pixels)
-        writer.commit(spec.capacity, grabbed, clock.now())
-        attachment.notify(spec.name)
+        frames.commit(pixels.size, grabbed, clock.now())
+        attachment.notify(frames.spec.name)
         gauge.note = ""
         now = clock.now()
         gauge.ran(grabbed, now)
         gauge.publish_if_due(now)
 
 
-def _publish_source(attachment: Attachment, settings: Settings, source: Source) -> None:
-    info = SourceInfo(
+def _info_of(source: Source, settings: Settings) -> SourceInfo:
+    return SourceInfo(
         uri=settings.source.uri,
         description=source.description,
         repeats=source.repeats,
@@ -67,8 +67,6 @@ def _publish_source(attachment: Attachment, settings: Settings, source: Source) 
         height_px=source.height_px,
         rate_hz=source.rate_hz,
     )
-    now = MonotonicClock().now()
-    records.source(settings.camera.name).writer(attachment.store).write(info, now, now)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ def main() -> None:
     frames = attachment.store.reader(f"frames/{camera.name}")
     item = records.sightings(camera.name)
     sightings = item.writer(attachment.store)
-    newest = frames.sequence
+    newest, missed = frames.sequence, 0
     patience_s = min(PATIENCE_PERIODS / camera.rate_hz, LONGEST_WAIT_S)
     while not attachment.stopping:
         released = attachment.wait(patience_s)
@@ -37,7 +37,7 @@ def main() -> None:
         glance = frames.glance() if released else None
         if glance is None or glance.sequence == newest:
             continue
-        missed = glance.sequence - newest - 1
+        missed += glance.sequence - newest - 1
         newest = glance.sequence
         seen = perception.perceive(_image_from(glance, settings), clock)
         if not frames.holds(glance):  # the ring went round while we looked: what we saw is a mixture
@@ -47,6 +47,7 @@ def main() -> None:
         sightings.write(seen, glance.measured, done)
         attachment.notify(item.spec.name)
         gauge.ran(glance.written, done, missed)
+        missed = 0
 
 
 def _image_from(glance: Glance, settings: Settings) -> ImageFrame:

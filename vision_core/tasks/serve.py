@@ -28,6 +28,7 @@ from vision_core.types.objects import Sightings
 
 PUBLISH_EVERY_S = 0.5
 LAGS_KEPT = 300
+"""Frames: ten seconds at 30 Hz."""
 REFUSALS_KEPT = 20
 LONGEST_WAIT_S = 0.25
 MS_PER_S = 1e3
@@ -94,7 +95,7 @@ class Server:
         report = self._send(seen.value)
         done = self._clock.now()
         if report.deliveries:
-            self._lags_s.append(seconds_between(seen.measured, done))
+            self._lags_s.append(seconds_between(seen.measured, report.deliveries[-1].sent))
         self._note(report.events)
         self._keep_sessions()
         self._gauge.ran(released, done, missed)

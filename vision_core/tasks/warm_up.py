@@ -23,7 +23,7 @@ def warm_up_steps(settings: Settings) -> list[tuple[str, Callable[[], None]]]:
 
 
 def warm_up_scene(settings: Settings) -> None:
-    """Two robots of each team and a ball, seen and encoded once."""
+    """A robot of each team and a ball, seen and encoded once."""
     maker = SceneMaker(settings, Instant(0))
     ids = settings.match.blue_ids[0], settings.match.yellow_ids[0]
     robots = (

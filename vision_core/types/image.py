@@ -12,7 +12,7 @@ class ImageFrame:
 
     camera: str
     number: int
-    """Counts the camera's frames from 1; a gap is a lost frame."""
+    """Counts the images that were captured, from 1; a gap is one that perception did not look at."""
     grabbed: Instant
     """When the image was grabbed: the driver's buffer time where there is one."""
     pixels: Bytes
