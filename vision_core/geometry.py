@@ -2,13 +2,14 @@
 length, y along its width, angles anticlockwise from x; metres and radians."""
 
 import math
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
 Bytes: TypeAlias = NDArray[np.uint8]
+Array = TypeVar("Array", bound=NDArray[Any])
 
 
 def wrap_angle(angle_rad: float) -> float:
@@ -22,7 +23,7 @@ def rotation(angle_rad: float) -> Floats:
     return np.array([[c, -s], [s, c]])
 
 
-def frozen(array: Floats) -> Floats:
+def frozen(array: Array) -> Array:
     """The same array, read-only: records hand out no array that can be changed."""
     array.setflags(write=False)
     return array

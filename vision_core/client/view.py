@@ -42,13 +42,10 @@ def view_from_see(see: See, options: Options, mirror: Mirror) -> View:
     digits = _digit_values()[characters[:, 1:]]
     px = (digits[:, 0] * 16 + digits[:, 1]).astype(np.int16)
     px[px == NOTHING_PX] = -1
-    px.setflags(write=False)
-    letters = characters[:, 0].astype(np.uint32).view("U1")
-    letters.setflags(write=False)
     return View(
         time_s=see.time_s,
-        letters=letters,
-        px=px,
+        letters=frozen(characters[:, 0].astype(np.uint32).view("U1")),
+        px=frozen(px),
         mm=frozen(_distances_mm(mirror)[px]),
         directions_deg=directions_deg(options, len(px)),
         ball=see.ball,

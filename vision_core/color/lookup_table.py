@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Floats, frozen
 from vision_core.settings import ColorRange, ColorSettings
 from vision_core.types.colors import ColorTable
 
@@ -37,8 +37,8 @@ def compile_color_table(colors: ColorSettings) -> ColorTable:
     overlaps = [(one, other, int((claims[one] & claims[other]).sum())) for one, other in combinations(claims, 2)]
     return ColorTable(
         names=("", *claims),
-        classes=_read_only(classes),
-        mean_bgr=_read_only(np.array(means).round().astype(np.uint8)),
+        classes=frozen(classes),
+        mean_bgr=frozen(np.array(means).round().astype(np.uint8)),
         disputed=tuple(overlap for overlap in overlaps if overlap[2]),
     )
 
@@ -46,7 +46,7 @@ def compile_color_table(colors: ColorSettings) -> ColorTable:
 def keep_classes(table: ColorTable, names: Collection[str]) -> ColorTable:
     """The same table with all other classes erased: what nobody searches need not become blobs."""
     kept = np.array([name in names for name in table.names])
-    return replace(table, classes=_read_only(np.where(kept[table.classes], table.classes, 0).astype(np.uint8)))
+    return replace(table, classes=frozen(np.where(kept[table.classes], table.classes, 0).astype(np.uint8)))
 
 
 def cell_centers() -> Floats:
@@ -70,8 +70,3 @@ def _within(values: Floats, low: float, high: float, *, is_angle: bool) -> Mask:
     if is_angle:
         return np.asarray((values - low) % 360.0 <= (high - low if high >= low else high - low + 360.0))
     return np.asarray((low <= values) & (values <= high))
-
-
-def _read_only(array: Bytes) -> Bytes:
-    array.setflags(write=False)
-    return array

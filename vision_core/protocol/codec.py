@@ -37,7 +37,6 @@ MODES = frozenset({"before_kick_off", "play_on", "time_over"})
 """Play modes in a server's answer to ``init``."""
 SERVER_WORDS = frozenset({b"see", b"hear", b"error", b"warning", b"ok", b"challenge", b"pong"})
 """What begins like this was said by a server and gets no answer."""
-DECIMALS = {"ms": 3, "us": 6}
 
 _TEAMS = {team.value: team for team in Team}
 _HEAD = re.compile(rb"\(\s*+([A-Za-z_]*+)")

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from vision_core.errors import SettingsError
-from vision_core.geometry import Bytes
+from vision_core.geometry import Bytes, frozen
 from vision_core.protocol.messages import LARGEST_NUMBER
 from vision_core.types.field import EdgeKind
 
@@ -68,5 +68,4 @@ def letters_by_kind(table: LetterTable, types: str) -> Bytes:
         letters[first : first + LARGEST_NUMBER + 1] = ord(table.robot if types == "same" else team)
         if types == "number":
             letters[first + 1 : first + LARGEST_NUMBER + 1] = ord(numbered) + np.arange(LARGEST_NUMBER)
-    letters.setflags(write=False)
-    return letters
+    return frozen(letters)

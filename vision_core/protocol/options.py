@@ -132,8 +132,7 @@ def ray_indices(options: Options, rays: int) -> NDArray[np.intp] | None:
         indices = -indices % rays
     if np.array_equal(indices, np.arange(rays)):
         return None
-    indices.setflags(write=False)
-    return indices
+    return frozen(indices)
 
 
 @lru_cache(maxsize=64)

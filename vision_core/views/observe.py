@@ -73,10 +73,10 @@ class Observer:
             distances,
             edge_kinds,
         )
-        distances.setflags(write=False)
-        edge_kinds.setflags(write=False)
         ball = None if world.ball is None else self._ball_view(own, world.ball, circles)
-        return RobotView(team, number, world.at, world.frame_number, distances, edge_kinds, ball, overlap)
+        return RobotView(
+            team, number, world.at, world.frame_number, frozen(distances), frozen(edge_kinds), ball, overlap
+        )
 
     def _robot(self, world: World, team: Team, number: int) -> RobotTrack | None:
         markers = self._ids[team][number - 1 : number] if number > 0 else ()
