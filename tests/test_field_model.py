@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from vision_core.field_model import accepted_half_extent, field_lines, field_segments, goal_line_x, is_accepted
 from vision_core.settings import FieldSettings
 from vision_core.settings_files import load_settings
-from vision_core.types import EdgeKind, Segment
+from vision_core.types.field import EdgeKind, Segment
 
 WALLED = load_settings(options={"field_preset": "ssl-2002"}).field
 OPEN = load_settings(options={"field_preset": "ssl-division-b"}).field

@@ -9,7 +9,8 @@ import pytest
 from vision_core.clock import Instant, after, seconds_between
 from vision_core.settings_files import load_settings
 from vision_core.tracks.tracker import Tracker
-from vision_core.types import BallSighting, RobotSighting, RobotTrack, Sightings, Team, World
+from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
+from vision_core.types.tracks import RobotTrack, World
 
 SETTINGS = load_settings().tracks
 START = Instant(5_000_000_000)

@@ -8,7 +8,8 @@ from msgspec.structs import replace
 from vision_core.clock import Instant
 from vision_core.settings import FieldSettings, Settings
 from vision_core.settings_files import load_settings
-from vision_core.types import BallTrack, RobotTrack, Team, World
+from vision_core.types.objects import Team
+from vision_core.types.tracks import BallTrack, RobotTrack, World
 from vision_core.views.observe import Observer
 
 SETTINGS = load_settings()

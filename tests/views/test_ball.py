@@ -7,7 +7,9 @@ import pytest
 
 from tests.views.scenes import BALL_RADIUS, fields, observer, robot, world
 from tests.views.scenes import ball as ball_at
-from vision_core.types import BallView, RobotTrack, Team
+from vision_core.types.objects import Team
+from vision_core.types.tracks import RobotTrack
+from vision_core.types.views import BallView
 from vision_core.views.ball import circle_shadow, segment_shadow
 
 WALLED = observer(fields()["walls"])

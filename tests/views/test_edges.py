@@ -9,7 +9,10 @@ from msgspec.structs import replace
 
 from tests.views.scenes import AT, SETTINGS, fields, observer, robot, world
 from vision_core.settings import FieldSettings, ViewSettings
-from vision_core.types import EdgeKind, RobotView, Team, World
+from vision_core.types.field import EdgeKind
+from vision_core.types.objects import Team
+from vision_core.types.tracks import World
+from vision_core.types.views import RobotView
 from vision_core.views.observe import ALL_ROUND_DEG, Observer
 
 FIELDS = fields()

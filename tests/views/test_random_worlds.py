@@ -10,7 +10,9 @@ from tests.views import brute_force
 from tests.views.scenes import BALL_RADIUS, RADIUS, fields, observer, random_world
 from vision_core.field_model import accepted_half_extent, field_segments
 from vision_core.settings import FieldSettings
-from vision_core.types import EdgeKind, Team, World
+from vision_core.types.field import EdgeKind
+from vision_core.types.objects import Team
+from vision_core.types.tracks import World
 from vision_core.views.observe import ALL_ROUND_DEG
 
 SLICES = 200

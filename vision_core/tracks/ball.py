@@ -18,7 +18,8 @@ from vision_core.clock import NS_PER_MS, Instant, seconds_between
 from vision_core.settings import TrackSettings
 from vision_core.tracks.assignment import assign, distances_between, gates
 from vision_core.tracks.kalman import Motion, density_from_acceleration, started
-from vision_core.types import BallSighting, BallTrack
+from vision_core.types.objects import BallSighting
+from vision_core.types.tracks import BallTrack
 
 
 @dataclass(frozen=True, slots=True)

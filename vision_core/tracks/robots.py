@@ -30,7 +30,8 @@ from vision_core.geometry import wrap_angle
 from vision_core.settings import TrackSettings
 from vision_core.tracks.assignment import assign, distances_between, gates
 from vision_core.tracks.kalman import Motion, density_from_acceleration, started
-from vision_core.types import RobotSighting, RobotTrack, Team
+from vision_core.types.objects import RobotSighting, Team
+from vision_core.types.tracks import RobotTrack
 
 CONFIRMING = 2
 """So many readings in a row give a track another id."""

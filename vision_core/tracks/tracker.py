@@ -6,7 +6,8 @@ from vision_core.clock import Instant
 from vision_core.settings import TrackSettings
 from vision_core.tracks.ball import BallLife
 from vision_core.tracks.robots import RobotTracks
-from vision_core.types import Sightings, World
+from vision_core.types.objects import Sightings
+from vision_core.types.tracks import World
 
 
 class Tracker:

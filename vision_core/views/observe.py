@@ -7,7 +7,10 @@ import numpy as np
 from vision_core.field_model import accepted_half_extent, field_segments
 from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.settings import BallSettings, FieldSettings, MatchSettings, RobotSettings, ViewSettings
-from vision_core.types import BallTrack, BallView, EdgeKind, RobotTrack, RobotView, Team, World
+from vision_core.types.field import EdgeKind
+from vision_core.types.objects import Team
+from vision_core.types.tracks import BallTrack, RobotTrack, World
+from vision_core.types.views import BallView, RobotView
 from vision_core.views.ball import visible_share
 from vision_core.views.edges import nearest_edges
 
