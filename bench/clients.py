@@ -23,6 +23,9 @@ STALL_S = 0.010
 NEAR_S = 0.1
 """A stall so long before a missing frame was due still explains it."""
 
+BEFORE_END_S = 1.0
+"""The server is asked for its lags while everybody is served: without clients it has none."""
+
 Report = dict[str, Any]
 
 
@@ -31,10 +34,11 @@ def run(seconds: float = 60.0) -> list[dict[str, Any]]:
     with running_service() as service:
         sleeper = Sleeper()
         clients = [_client(service, team, number, seconds) for team in ("blue", "yellow") for number in range(1, 6)]
-        reports = [json.loads(client.communicate()[0]) for client in clients]
-        sleeper.stop()
+        time.sleep(seconds - BEFORE_END_S)
         status = service.get("/api/v1/status")[1]
         boot_s = time.monotonic() - status["uptime_s"]
+        reports = [json.loads(client.communicate()[0]) for client in clients]
+        sleeper.stop()
     rows = [row for report in reports for row in _client_rows(report, sleeper, boot_s)]
     return [*rows, *sleeper.rows(), *_lag_rows(status)]
 

@@ -27,7 +27,6 @@ class RunningService:
     process: subprocess.Popen[str]
     http: str
     udp_port: int
-    ready_after_s: float
 
     def get(self, path: str) -> tuple[int, Any]:
         """Status code and decoded JSON (or bytes) of a page."""
@@ -54,7 +53,6 @@ def running_service(*options: str, data_folder: Path | None = None) -> Iterator[
     """A service on free ports, ready; ended when the block ends, whatever happens in it."""
     with tempfile.TemporaryFile("w+") as log:
         environment = os.environ | ({"PSLV_DATA_DIR": str(data_folder)} if data_folder else {})
-        began = time.monotonic()
         process = subprocess.Popen(
             [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options],
             cwd=Path(__file__).resolve().parents[1],
@@ -64,7 +62,7 @@ def running_service(*options: str, data_folder: Path | None = None) -> Iterator[
             text=True,
         )
         try:
-            yield _ready(process, log, began)
+            yield _ready(process, log)
         finally:
             process.send_signal(signal.SIGTERM)
             try:
@@ -82,8 +80,9 @@ def is_alive(pid: int) -> bool:
         return False
 
 
-def _ready(process: subprocess.Popen[str], log: Any, began: float) -> RunningService:
+def _ready(process: subprocess.Popen[str], log: Any) -> RunningService:
     """Wait until the service says that it is ready."""
+    began = time.monotonic()
     while time.monotonic() - began < START_PATIENCE_S:
         time.sleep(0.02)
         log.seek(0)
@@ -93,10 +92,9 @@ def _ready(process: subprocess.Popen[str], log: Any, began: float) -> RunningSer
         found = re.search(r"page (http://\S+), robots at UDP \S+:(\d+)", text)
         if found is None:
             continue
-        service = RunningService(process, found[1], int(found[2]), 0.0)
+        service = RunningService(process, found[1], int(found[2]))
         with contextlib.suppress(OSError):
             if service.get("/readyz")[0] == 200:
-                service.ready_after_s = time.monotonic() - began
                 return service
     log.seek(0)
     raise RuntimeError(f"the service was not ready in time: {log.read()}")
