@@ -8,6 +8,7 @@ import pytest
 
 from vision_core.clock import Instant, after, seconds_between
 from vision_core.settings_files import load_settings
+from vision_core.tracks.robots import MOST_TRACKS
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import RobotTrack, World
@@ -209,6 +210,25 @@ def test_when_the_holder_of_a_name_has_gone_its_double_gets_it() -> None:
     film = Film()
     film.show_for(0.2, robot(1, 0.0), robot(1, 1.0))
     assert places(film.show_for(0.3, robot(1, 1.0))) == {(BLUE, 1): 1.0}
+
+
+def test_when_a_name_moves_on_the_nameless_around_are_not_touched() -> None:
+    film = Film()
+    others = (robot(None, -0.6), robot(None, -0.3))
+    film.show(*others, robot(3, 0.0))
+    film.show(*others, robot(3, 1.0))
+    assert places(film.show(*others, robot(3, 1.0))) == {(BLUE, 3): 1.0, (BLUE, None): -0.3}
+    assert len(film.world.robots) == 3
+
+
+def test_a_flicker_of_false_robots_stays_bounded_and_pushes_no_name_out() -> None:
+    film = Film()
+    film.show(robot(3, 0.0, 2.0), robot(4, 0.5, 2.0))
+    for frame in range(7):
+        row = 2.0 * (frame // 2 % 4)
+        film.show(robot(3, 0.0, 2.0), *(robot(None, 1.0 + 0.5 * column, row) for column in range(40)))
+        assert len(film.world.robots) <= MOST_TRACKS
+        assert {3, 4} <= {track.id for track in film.world.robots}
 
 
 def test_a_misread_id_does_not_rename_until_it_is_read_twice() -> None:

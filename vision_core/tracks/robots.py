@@ -13,6 +13,8 @@ Each frame, in this order:
    in the others' views. If its id is alive elsewhere, the new track is nameless: one false reading moves no
    robot, a true jump is confirmed by the next frame (rule 4).
 6. A nameless track that was seen only once is dropped by the first frame that does not show it.
+7. Beyond MOST_TRACKS the nameless that were unseen for longest go first, so that a flicker of false robots costs
+   bounded time and room.
 
 Recall goes before precision here: a missing robot silences its client and is a collision for the others, a false one
 is an edge too many for one frame. An id is evidence of its own (five dots that fit), so a robot with an
@@ -35,11 +37,13 @@ from vision_core.types.tracks import RobotTrack
 
 CONFIRMING = 2
 """So many readings in a row give a track another id."""
+MOST_TRACKS = 64
+"""Twice two full teams."""
 UNKNOWN_HEADING_VARIANCE = math.pi**2 / 3.0
 """Of an angle that may be any."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Track:
     """A robot as of its last sighting."""
 
@@ -87,9 +91,9 @@ class RobotTracks:
         for column, sighting in enumerate(sightings):
             if column not in taken:
                 self._start(sighting, read, at)
-        self._tracks = [
-            track for track in self._tracks if track.seen == at or track.id is not None or track.sightings > 1
-        ]
+        alive = [track for track in self._tracks if track.seen == at or track.id is not None or track.sightings > 1]
+        alive.sort(key=lambda track: (track.id is not None, track.seen), reverse=True)
+        self._tracks = alive[:MOST_TRACKS]
 
     def at(self, at: Instant) -> tuple[RobotTrack, ...]:
         """All robots predicted to an instant, ordered by team and id, the nameless last."""
