@@ -21,6 +21,8 @@ from vision_core.geometry import Floats, frozen
 
 UNDISTORT_STEPS = 60
 UNDISTORT_TOLERANCE = 1e-12
+STEP_M = 1e-3
+"""Over which the image's scale is measured."""
 
 
 class CameraModel(ABC):
@@ -50,11 +52,18 @@ class CameraModel(ABC):
 
     def pixels_per_metre(self, point_m: Sequence[float], height_m: float = 0.0) -> float:
         """Scale of the image at a point of the field [px/m]: root of the area a square metre covers."""
-        x, y = point_m
-        step = 1e-3
-        corners = self.pixel_from_field(np.array([[x, y], [x + step, y], [x, y + step]]), height_m)
-        (ax, ay), (bx, by) = corners[1] - corners[0], corners[2] - corners[0]
-        return math.sqrt(abs(ax * by - ay * bx)) / step
+        return math.sqrt(self.pixels_per_square_metre(np.array([point_m]), height_m)[0])
+
+    def pixels_per_square_metre(self, points: Floats, height_m: float = 0.0) -> Floats:
+        """Area of the image that a square metre at points of a plane covers [px/m^2].
+
+        points: shape (n, 2) [m]; returns shape (n,). The determinant of the map's Jacobian.
+        """
+        steps = np.array([[0.0, 0.0], [STEP_M, 0.0], [0.0, STEP_M]])
+        here, ahead, aside = self.pixel_from_field(steps[:, None] + points, height_m).reshape(3, -1, 2)
+        along, across = ahead - here, aside - here
+        area: Floats = np.abs(along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / STEP_M**2
+        return area
 
     @abstractmethod
     def _floor_from_pixel(self, pixels: Floats) -> Floats: ...

@@ -17,5 +17,5 @@ the gates that stopped the others are the reason when none is found.
 What cannot be told is said, not guessed: a robot without a readable marker has id None, and so have
 two robots that wear the same one.
 
-Files, outside in: ``robots``, ``hypotheses``, ``ball``, ``patterns``, ``scale``.
+Files, outside in: ``robots``, ``hypotheses``, ``ball``, ``patterns``, ``likeness``.
 """

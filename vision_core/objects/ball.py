@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vision_core.camera_model import CameraModel
 from vision_core.field_model import is_accepted, is_between_lines
 from vision_core.geometry import Bytes, Floats
-from vision_core.objects.scale import likeness, pixels_per_square_metre
+from vision_core.objects.likeness import likeness
 from vision_core.settings import BallSettings, FieldSettings
 from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
@@ -118,7 +118,7 @@ def _candidates(
     chosen = np.flatnonzero(blobs.color == table.index(ball.color))
     pixel, area, box = blobs.center_px[chosen], blobs.area_px[chosen], blobs.box_px[chosen]
     place = camera.field_from_pixel(pixel, ball.radius_m)
-    scale = pixels_per_square_metre(camera, place, ball.radius_m)
+    scale = camera.pixels_per_square_metre(place, ball.radius_m)
     sides = box[:, 2:] - box[:, :2] + 1
     return Candidates(
         pixel=pixel,

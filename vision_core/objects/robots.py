@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from vision_core.camera_model import CameraModel
 from vision_core.geometry import Floats, wrap_angle
 from vision_core.objects.hypotheses import CENTER, FIRST_DOT, HEADING, MATCHED, SCORE, X, Y, propose
+from vision_core.objects.likeness import likeness
 from vision_core.objects.patterns import Marker
-from vision_core.objects.scale import likeness, pixels_per_square_metre
 from vision_core.settings import RobotSettings
 from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
@@ -89,7 +89,7 @@ def _measured(blobs: Blobs, table: ColorTable, colors: Collection[str], camera: 
     wanted = np.array([name in colors for name in table.names])
     chosen = np.flatnonzero(wanted[blobs.color])
     place = camera.field_from_pixel(blobs.center_px[chosen], height_m)
-    area_m2 = blobs.area_px[chosen] / pixels_per_square_metre(camera, place, height_m)
+    area_m2 = blobs.area_px[chosen] / camera.pixels_per_square_metre(place, height_m)
     return Dots(chosen, tuple(table.names[color] for color in blobs.color[chosen]), place, area_m2)
 
 
