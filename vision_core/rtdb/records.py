@@ -224,14 +224,14 @@ class ItemWriter(Generic[T]):
 
 SERVICE = Item("service", ServiceInfo, 65536, 0.0)
 PROCESSES = Item("processes", Processes, 16384, 3.0, json=True)  # the supervisor is standard library only
-WORLD = Item("world", World, 262144, 0.25)  # room for tracks of things that flicker and are predicted for a while
+WORLD = Item("world", World, 16384, 0.25)
 VIEWS = Item("views", Views, 65536, 0.25)
 SERVING = Item("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
 
 
 def source(camera: str) -> Item[SourceInfo]:
-    return Item(f"source/{camera}", SourceInfo, 4096, 0.0)
+    return Item(f"source/{camera}", SourceInfo, 16384, 0.0)
 
 
 def sightings(camera: str) -> Item[Sightings]:
@@ -239,7 +239,7 @@ def sightings(camera: str) -> Item[Sightings]:
 
 
 def task(name: str) -> Item[TaskInfo]:
-    return Item(f"task/{name}", TaskInfo, 4096, 2.0)
+    return Item(f"task/{name}", TaskInfo, 16384, 2.0)
 
 
 def frames(camera: str, width_px: int, height_px: int) -> RecordSpec:
