@@ -1,5 +1,6 @@
 """The command line and composition root: ``pslv serve | client | detect | config``."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -93,10 +94,7 @@ def serve(
     prepare_data_folder()
     _check_source(settings)
     plan, info = plan_service(settings, __version__)
-    console.print(
-        f"PSLV {__version__}: page [bold]{info.http}[/], robots at UDP {info.udp}, source {settings.source.uri}",
-        soft_wrap=True,
-    )
+    _tell(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
     if os.environ.get("DISPLAY") and sys.stdout.isatty():
         webbrowser.open(info.http)
     progress = _Progress()
@@ -179,7 +177,9 @@ def _summary(found: dict[str, Any]) -> str:
 
 
 def _tell(line: str) -> None:
-    console.print(line, markup=False, soft_wrap=True)
+    """News of the service. That nobody reads the log any more, or its disk is full, is no reason to stop it."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
 
 
 class _Progress:

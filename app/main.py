@@ -1,13 +1,18 @@
 """Entry point of ``pslv``: standard library only, so that it can say what is missing."""
 
+import signal
 import sys
 from importlib.util import find_spec
+from types import FrameType
 
 NEEDED = ("msgspec", "numba", "cv2", "fastapi", "uvicorn", "typer", "rich", "platformdirs")
 
 
 def main() -> None:
     """Run the command line, or name the extra that it needs."""
+    if sys.argv[1:2] == ["serve"]:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, _leave)
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing and sys.argv[1:2] == ["client"]:
         from vision_core.client.__main__ import main as client
@@ -23,6 +28,11 @@ def main() -> None:
     from app.cli import run
 
     run()
+
+
+def _leave(_number: int, _frame: FrameType | None) -> None:
+    """A stop while the service is still starting is a stop like any other; the supervisor has its own handler."""
+    sys.exit(0)
 
 
 if __name__ == "__main__":
