@@ -1,14 +1,20 @@
 """The one door to OpenCV, typed. Its own return types fail mypy strict, and its pools would inherit
 real-time priority, so they are switched off here, once."""
 
+import os
 from pathlib import Path
 from typing import TypeAlias, cast
 
-import cv2
-import numpy as np
+CAMERA_PATIENCE_S = 2
+"""A camera that gives no image for so long is taken for gone. OpenCV reads it when it is loaded; its own 10 s are
+longer than the supervisor's patience with a process that does not answer."""
+os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(CAMERA_PATIENCE_S))
 
-from vision_core.errors import SourceError
-from vision_core.geometry import Bytes
+import cv2  # noqa: E402
+import numpy as np  # noqa: E402
+
+from vision_core.errors import SourceError  # noqa: E402
+from vision_core.geometry import Bytes  # noqa: E402
 
 cv2.setNumThreads(1)
 
@@ -31,7 +37,10 @@ def read_picture(path: Path) -> Bytes:
         data = np.fromfile(path, dtype=np.uint8)
     except OSError as error:
         raise SourceError(f"picture {path}", found=error.strerror or str(error)) from None
-    image = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    try:
+        image = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    except cv2.error:  # a header that claims more pixels than OpenCV allows
+        image = None
     if image is None:
         found = "an empty file" if not data.size else "a file that is no picture, or a damaged one"
         raise SourceError(f"picture {path}", found=found, accepted="JPEG, PNG, BMP, TIFF or WebP")
@@ -127,7 +136,7 @@ def open_video(path: Path) -> Video:
 
 def open_camera(device: str, width_px: int, height_px: int, rate_hz: float) -> Video:
     """A V4L2 camera by its number or path, asked for a size and rate: look at what it gives. Raises SourceError."""
-    capture = cv2.VideoCapture(int(device) if device.isdecimal() else device, cv2.CAP_V4L2)
+    capture = cv2.VideoCapture(f"/dev/video{device}" if device.isdecimal() else device, cv2.CAP_V4L2)
     if not capture.isOpened():
         present = ", ".join(sorted(str(path) for path in Path("/dev").glob("video*")))
         found = "no such device, or one that is in use or no camera"

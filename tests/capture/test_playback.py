@@ -1,11 +1,15 @@
 """Files: the right picture at the right time, again from the beginning, and errors that help."""
 
+import os
+import struct
+import zlib
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from vision_core.capture.playback import Pictures
 from vision_core.capture.source import Source, open_source
 from vision_core.clock import NS_PER_S, ManualClock
 from vision_core.errors import SourceError
@@ -96,6 +100,9 @@ def test_a_picture_of_another_size_later_in_a_folder_is_refused_too(tmp_path: Pa
     write_picture(tmp_path / "a.png", plain(0))
     write_picture(tmp_path / "b.png", plain(0, width=100))
     source = opened(tmp_path)
+    assert isinstance(source, Pictures)
+    with pytest.raises(SourceError, match=r"b\.png"):
+        source.check()
     assert levels(source, 1) == [0]
     with pytest.raises(SourceError, match=r"b\.png"):
         levels(source, 1)
@@ -109,7 +116,25 @@ def test_what_is_no_picture_is_refused_by_name(tmp_path: Path, name: str) -> Non
 
 
 def test_nothing_there_and_nothing_in_it(tmp_path: Path) -> None:
-    with pytest.raises(SourceError, match="no such file"):
+    with pytest.raises(SourceError, match="No such file"):
         opened(tmp_path / "absent.png")
     with pytest.raises(SourceError, match="no picture in it"):
         opened(tmp_path)
+
+
+def test_a_name_that_is_too_long_and_a_pipe_are_no_sources(tmp_path: Path) -> None:
+    with pytest.raises(SourceError, match="File name too long"):
+        opened(tmp_path / ("x" * 300))
+    os.mkfifo(tmp_path / "pipe.png")
+    with pytest.raises(SourceError, match="neither a file nor a folder"):
+        opened(tmp_path / "pipe.png")
+
+
+def test_a_picture_that_claims_a_gigantic_size_is_damaged(tmp_path: Path) -> None:
+    write_picture(tmp_path / "bomb.png", plain(0))
+    data = bytearray((tmp_path / "bomb.png").read_bytes())
+    data[16:24] = struct.pack(">II", 100_000, 100_000)  # width and height
+    data[29:33] = struct.pack(">I", zlib.crc32(data[12:29]))
+    (tmp_path / "bomb.png").write_bytes(data)
+    with pytest.raises(SourceError, match="damaged"):
+        opened(tmp_path / "bomb.png")

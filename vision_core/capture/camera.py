@@ -1,7 +1,7 @@
 """A camera of this machine, through OpenCV and Video4Linux.
 
 Not yet tried on hardware by its authors: what can be tested without a camera is, the rest follows the
-documentation of OpenCV. A camera that stops delivering is noticed when OpenCV gives up waiting, after 10 s;
+documentation of OpenCV. A camera that stops delivering is noticed when OpenCV gives up waiting, after 2 s;
 the age of the last image tells so much earlier.
 """
 

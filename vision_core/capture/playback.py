@@ -1,5 +1,6 @@
 """Images from files: a picture, a folder of pictures, a video. All of them begin again at their end."""
 
+import stat
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -37,6 +38,11 @@ class Pictures:
             self._open_path, self._open_picture = path, self._read(path)
         np.copyto(pixels, self._open_picture)
         return instant
+
+    def check(self) -> None:
+        """Read every picture once. Raises SourceError for the first that cannot be read or has another size."""
+        for path in self._paths:
+            self._read(path)
 
     def close(self) -> None:
         """Nothing is held open."""
@@ -91,18 +97,21 @@ class VideoPlayback:
 
 def open_file(path: Path, camera: CameraSettings, clock: Clock, *, paced: bool) -> Pictures | VideoPlayback:
     """A picture, a folder or a video. Raises SourceError when there is none, or its size is not the camera's."""
-    if path.is_dir():
-        paths = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURES)
-        if not paths:
-            raise SourceError(f"folder {path}", found="no picture in it", accepted=", ".join(sorted(PICTURES)))
-        keeper = rate_keeper(camera.rate_hz, clock, paced=paced)
-        return Pictures(paths, f"{len(paths)} pictures of {path.name}, looped", camera, keeper)
-    if not path.exists():
-        raise SourceError(f"file {path}", found="no such file or folder", accepted="a picture, a folder or a video")
-    if path.suffix.lower() in PICTURES:
-        keeper = rate_keeper(camera.rate_hz, clock, paced=paced)
-        return Pictures([path], f"picture {path.name}", camera, keeper)
-    return VideoPlayback(path, camera, clock, paced=paced)
+    accepted = "a picture, a folder or a video"
+    try:
+        mode = path.stat().st_mode
+        files = sorted(path.iterdir()) if stat.S_ISDIR(mode) else [path]
+    except OSError as error:
+        raise SourceError(f"file {path}", found=error.strerror or str(error), accepted=accepted) from None
+    if not (stat.S_ISDIR(mode) or stat.S_ISREG(mode)):  # reading a pipe may never end
+        raise SourceError(f"file {path}", found="neither a file nor a folder", accepted=accepted)
+    pictures = [file for file in files if file.suffix.lower() in PICTURES]
+    if not stat.S_ISDIR(mode) and not pictures:
+        return VideoPlayback(path, camera, clock, paced=paced)
+    if not pictures:
+        raise SourceError(f"folder {path}", found="no picture in it", accepted=", ".join(sorted(PICTURES)))
+    shown = f"{len(pictures)} pictures of {path.name}, looped" if stat.S_ISDIR(mode) else f"picture {path.name}"
+    return Pictures(pictures, shown, camera, rate_keeper(camera.rate_hz, clock, paced=paced))
 
 
 def check_size(asked: str, found_px: tuple[int, int], wanted_px: tuple[int, int]) -> None:

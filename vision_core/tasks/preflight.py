@@ -4,14 +4,17 @@ Settings come on standard input. What is found here is one line for a person; fo
 process that dies again and again.
 """
 
+import os
 import sys
 
 import msgspec
 
+from vision_core.capture.playback import Pictures
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import PslvError
 from vision_core.protocol.admission import Admission
+from vision_core.rtdb.attachment import end_with
 from vision_core.settings import Settings
 from vision_core.tasks.perception import Perception
 from vision_core.tasks.serving import SceneMaker
@@ -19,10 +22,14 @@ from vision_core.tasks.serving import SceneMaker
 
 def main() -> int:
     """Check the settings, open the source and close it; exit status 2 and one line on standard error if that fails."""
+    end_with(os.getppid())  # a camera may take its time: nothing is left of a command that was killed
     settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
     try:
         check_tasks(settings)
-        open_source(settings, MonotonicClock()).close()
+        source = open_source(settings, MonotonicClock())
+        if isinstance(source, Pictures):
+            source.check()
+        source.close()
     except PslvError as error:
         print(error, file=sys.stderr)
         return 2
