@@ -5,6 +5,8 @@ import socket
 import sys
 import time
 
+import msgspec
+
 from app.supervisor.plan import ChildPlan, ServicePlan
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
@@ -18,12 +20,17 @@ from vision_core.tasks.table import Task, record_specs, task_table
 HEARTBEAT_S = 4.0
 HEARTBEAT_PERIODS = 4.0
 BACKLOG = 128
+ROOM_FOR_ADDRESSES = 1024
+"""In the record of the service, beside the settings [bytes]."""
 
 
 def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, ServiceInfo]:
     """Open the sockets and lay out everything else. Raises ServiceError, with nothing left open."""
     if sys.platform != "linux":
         raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
+    size, room = len(msgspec.msgpack.encode(settings)), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
+    if size > room:
+        raise ServiceError("settings", found=f"{size} bytes of them", accepted=f"at most {room} bytes")
     server = settings.server
     udp_host = server.udp_host or server.host
     http = _listen(server.host, server.port)
@@ -86,11 +93,11 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         listener.bind((host, port))
         listener.listen(BACKLOG)
-    except OSError as error:
+    except (OSError, TypeError) as error:  # TypeError: what no host can be named, in bind's words
         listener.close()
         raise ServiceError(
             f"TCP port {port} at {host}",
-            found=error.strerror or str(error),
+            found=getattr(error, "strerror", None) or str(error),
             accepted="a free port: --port 0 takes any, --port N chooses one",
         ) from None
     return listener

@@ -101,6 +101,9 @@ WRONG = [
     ("field_preset = 'moon'", "field 'moon'; found: no such file; accepted: ssl-2002, ssl-division-b"),
     ("camera = 3", "camera; found: 3; accepted: object"),
     ("[protocol.letters]\nfirst_blue = '~'", "protocol.letters.first_blue"),
+    ("[server]\nhost = ''", "server.host; found: ''; accepted: str of length >= 1"),
+    ("[tracks]\nrobot_noise_m = 1e308", "tracks.robot_noise_m; found: 1e[+]308"),
+    ("[synthetic]\nseed = -1", "synthetic.seed; found: -1; accepted: int >= 0"),
 ]
 
 
@@ -114,7 +117,7 @@ def test_a_mistake_names_file_key_found_and_accepted(tmp_path: Path, text: str, 
         assert str(venue) in str(caught.value)
 
 
-@pytest.mark.parametrize("content", [b"[camera", b"\xff\xfe", b"a = 1\na = 2"])
+@pytest.mark.parametrize("content", [b"[camera", b"\xff\xfe", b"a = 1\na = 2", b"a = " + b"[" * 5000])
 def test_a_file_that_is_no_toml_is_named(tmp_path: Path, content: bytes) -> None:
     venue = tmp_path / "venue.toml"
     venue.write_bytes(content)
@@ -125,6 +128,14 @@ def test_a_file_that_is_no_toml_is_named(tmp_path: Path, content: bytes) -> None
 def test_a_missing_file_is_named() -> None:
     with pytest.raises(SettingsError, match="nowhere.toml; found: No such file"):
         load_settings("nowhere.toml")
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "x" * 300 + ".toml", "\0.toml"], ids=["name", "path", "nul"])
+def test_a_name_that_no_file_can_have_is_refused(name: str) -> None:
+    with pytest.raises(SettingsError):
+        load_settings(options={"field_preset": name})
+    with pytest.raises(SettingsError):
+        load_settings(name)
 
 
 def test_an_unknown_venue_lists_the_known_ones() -> None:

@@ -14,8 +14,8 @@ class Record(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
 
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
-Positive = Annotated[float, Meta(gt=0.0)]
-NotNegative = Annotated[float, Meta(ge=0.0)]
+Positive = Annotated[float, Meta(gt=0.0, le=1e6)]
+NotNegative = Annotated[float, Meta(ge=0.0, le=1e6)]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 Degrees = Annotated[float, Meta(ge=-360.0, le=720.0)]
 Point2 = tuple[float, float]
@@ -25,7 +25,7 @@ Point3 = tuple[float, float, float]
 class ServerSettings(Record, frozen=True):
     """Where the service listens."""
 
-    host: Annotated[str, Meta(description="address of the web page")]
+    host: Annotated[str, Meta(min_length=1, description="address of the web page")]
     udp_host: Annotated[str, Meta(description="address of the UDP ports; empty: the same as host")]
     port: Annotated[Port, Meta(description="TCP port of the web page")]
     udp_port: Annotated[Port, Meta(description="UDP port where clients send their init")]
@@ -79,7 +79,7 @@ class CameraSettings(Record, frozen=True):
 class SyntheticSettings(Record, frozen=True):
     """The simulated ceiling camera: what it renders and how badly."""
 
-    seed: int
+    seed: Annotated[int, Meta(ge=0, le=4_294_967_295)]
     robots_per_team: Annotated[int, Meta(ge=0, le=16)]
     speed_m_s: Annotated[float, Meta(ge=0.0, le=10.0)]
     exposure_ms: Annotated[float, Meta(ge=0.0, le=100.0)]
@@ -146,7 +146,7 @@ class ColorSettings(Record, frozen=True):
 class BlobSettings(Record, frozen=True):
     """What becomes a blob, and how much memory is taken for it."""
 
-    min_area_px: Annotated[int, Meta(ge=1, description="smaller blobs are noise")]
+    min_area_px: Annotated[int, Meta(ge=1, le=1_000_000, description="smaller blobs are noise")]
     max_runs: Annotated[int, Meta(ge=100, le=10_000_000)]
     max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
 

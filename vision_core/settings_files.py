@@ -82,14 +82,13 @@ def find_file(kind: str, name: str) -> Path:
     """A shipped file of config/<kind> by name, or any file by path. Raises SettingsError."""
     if name.endswith(".toml"):
         return Path(name)
-    shipped = config_folder() / kind / f"{name}.toml"
-    if shipped.is_file() and "/" not in name:
-        return shipped
-    names = sorted(path.stem for path in (config_folder() / kind).glob("*.toml"))
+    shipped = {path.stem: path for path in sorted((config_folder() / kind).glob("*.toml"))}
+    if name in shipped:
+        return shipped[name]
     raise SettingsError(
         f"{kind[:-1]} {name!r}",
         found="no such file",
-        accepted=f"{', '.join(names)}, or a path that ends with .toml",
+        accepted=f"{', '.join(shipped)}, or a path that ends with .toml",
     )
 
 
@@ -99,7 +98,7 @@ def read_layer(path: Path) -> Layer:
         return Layer(str(path), tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise SettingsError(f"configuration file {path}", found=error.strerror or str(error)) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # no TOML, no UTF-8, NUL in the name; brackets without end
         raise SettingsError(f"configuration file {path}", found=str(error), accepted="TOML") from None
 
 

@@ -188,7 +188,7 @@ def _open_second(main: socket.socket, host: str, port: int) -> socket.socket:
 def _resolved(host: str, port: int) -> tuple[int, tuple[str | int, ...]]:
     try:
         found = socket.getaddrinfo(host or None, port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE)
-    except socket.gaierror as error:
+    except (OSError, ValueError) as error:  # ValueError: what no host can be named
         raise ServiceError(f"UDP address {host!r}", found=str(error), accepted="an address of this machine") from None
     family, _, _, _, sockaddr = min(found, key=lambda info: info[0] != socket.AF_INET)
     return family, (str(sockaddr[0]), *(int(part) for part in sockaddr[1:]))
