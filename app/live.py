@@ -1,6 +1,6 @@
 """The live connection of the page: ``/live``, a WebSocket.
 
-The page says "next" (any text), the service answers with the newest **turn** that the page has not seen,
+The page says "next" (any message), the service answers with the newest **turn** that the page has not seen,
 as soon as there is one: a binary message with the picture if it is a new one, then a text message with
 everything else. So one turn at most is under way to a page, however slow it or its network is, and what
 it gets is the newest there is: newest wins, and no queue grows anywhere. A page that says nothing for
@@ -130,7 +130,8 @@ class Live:
         shown = 0
         while True:
             async with asyncio.timeout(PATIENCE_S):
-                await page.receive_text()
+                if (await page.receive())["type"] == "websocket.disconnect":
+                    return
             seen = await self._newer_than(seen)
             async with asyncio.timeout(PATIENCE_S):
                 if seen.picture_number != shown:

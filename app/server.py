@@ -27,7 +27,7 @@ from vision_core.rtdb.store import Store
 DESCRIPTION = """What every robot on the field would see, from one ceiling camera.
 
 Robots talk UDP; this API is for people and tools, and it only reads. The live connection of the page is the
-WebSocket `/live`: send any text, and the newest picture (binary) and state (JSON) come back."""
+WebSocket `/live`: send any message, and the newest picture (binary) and state (JSON) come back."""
 POLICY_VIOLATION = 1008
 
 

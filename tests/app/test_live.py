@@ -130,3 +130,9 @@ def test_a_server_that_stops_closes_its_pages(service: FakeService) -> None:
         server.stop()
         with pytest.raises(ConnectionClosed):
             turn(connection)
+
+
+def test_any_message_asks_for_a_turn(server: PageServer) -> None:
+    with page(server) as connection:
+        connection.send(b"next")
+        assert connection.recv(timeout=10)
