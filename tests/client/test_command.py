@@ -123,3 +123,13 @@ def test_a_reader_who_has_seen_enough(stadium: Stadium) -> None:
         assert client.wait(timeout=30) == 0
         assert client.stderr is not None
         assert client.stderr.read() == ""
+
+
+@pytest.mark.parametrize("timeout_s", ["nan", "inf", "0", "-1", "soon"])
+def test_a_timeout_that_is_none_is_refused(
+    stadium: Stadium, capsys: pytest.CaptureFixture[str], timeout_s: str
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(arguments(stadium, "--timeout", timeout_s))
+    assert ended.value.code == 2
+    assert "--timeout" in capsys.readouterr().err

@@ -19,6 +19,7 @@ from vision_core.types.objects import Team
 
 FAILED = 2
 STALE_S = 5.0
+LONGEST_TIMEOUT_S = 86400.0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -107,6 +108,13 @@ def _follow(robot: Connection, count: int | None, *, as_json: bool, picture: Pat
             draw(last, robot, picture)
 
 
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0.0 < seconds <= LONGEST_TIMEOUT_S:
+        raise argparse.ArgumentTypeError(f"{text} is not within 0..{LONGEST_TIMEOUT_S:g} s")
+    return seconds
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="pslv client", description="Be a robot: connect, and print what it sees.")
     parser.add_argument("--team", required=True, choices=[team.value for team in Team])
@@ -119,7 +127,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--types", choices=["same", "team", "number"], default="same", help="how edges name robots")
     parser.add_argument("--rate", type=int, metavar="HZ", help="at most so many views a second [every frame]")
     parser.add_argument("--mirror", type=float, nargs=3, metavar=("A", "B", "C"), help="ask for this mirror")
-    parser.add_argument("--timeout", type=float, default=5.0, help="wait so long for an answer [%(default)s s]")
+    parser.add_argument("--timeout", type=_seconds, default=5.0, help="wait so long for an answer [%(default)s s]")
     return parser
 
 
