@@ -1,7 +1,9 @@
 """The real service through its front door: start, clients, killed processes, bad input, stop."""
 
+import contextlib
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -10,14 +12,17 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench.service import RunningService, is_alive, running_service
 from tests.conftest import ROOT
+from vision_core.opencv import write_picture
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PAPER_CLIENT = ROOT / "bench" / "paper_client.py"
 PATIENCE_S = 30.0
+SERVE = [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0"]
 
 
 @pytest.fixture(scope="module")
@@ -142,9 +147,8 @@ def test_a_killed_supervisor_leaves_no_process() -> None:
 
 def refused(*options: str) -> str:
     """Start with bad options; returns what was said. It must end with status 2 and start nothing."""
-    command = [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options]
     result = subprocess.run(
-        command,
+        [*SERVE, *options],
         check=False,
         cwd=ROOT,
         capture_output=True,
@@ -171,6 +175,10 @@ def test_bad_sources_are_named(tmp_path: Path) -> None:
     assert str(empty) in refused("--source", f"file:{empty}")
     assert "nowhere.png" in refused("--source", "file:nowhere.png")
     assert "camera" in refused("--source", "camera:/dev/no-such-camera")
+    assert "camera" in refused("--source", f"camera:{'9' * 30}")
+    assert "File name too long" in refused("--source", f"file:{'x' * 300}")
+    write_picture(tmp_path / "a.png", np.zeros((480, 640, 3), dtype=np.uint8))
+    assert "empty.png; found: an empty file" in refused("--source", f"file:{tmp_path}")
 
 
 def test_bad_settings_are_named(tmp_path: Path) -> None:
@@ -179,3 +187,50 @@ def test_bad_settings_are_named(tmp_path: Path) -> None:
     said = refused("--venue", str(venue))
     assert f"{venue}: camera.rate; found: no setting of this name (did you mean rate_hz?)" in said
     assert "found: 99999; accepted: int <= 65535" in refused("--port", "99999")
+    assert "TCP port 0 at" in refused("--host", "\u00e4" * 80)
+    boxes = ", ".join(["{ hue_deg = [1.0, 2.0], value = [0.1, 0.2] }"] * 600)
+    colors = ("orange", "yellow", "blue", "pink", "green")
+    venue.write_text("[colors.classes]\n" + "".join(f"{color} = [{boxes}]\n" for color in colors))
+    assert "settings; found:" in refused("--venue", str(venue))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("after_s", [0.6, 1.0, 1.4, 2.0])
+def test_a_stop_while_it_starts_is_a_stop(number: signal.Signals, after_s: float) -> None:
+    """Whatever it is doing by then: loading, trying the source, starting its processes, compiling."""
+    started = subprocess.Popen(SERVE, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    time.sleep(after_s)
+    started.send_signal(number)
+    said = started.communicate(timeout=PATIENCE_S)[0]  # ends when no process is left that could still write
+    assert (started.returncode, "Traceback" in said) == (0, False), said
+
+
+def test_a_log_that_nobody_reads_any_more_stops_nothing() -> None:
+    with subprocess.Popen(SERVE, cwd=ROOT, stderr=subprocess.PIPE, text=True) as started:
+        try:
+            assert started.stderr is not None
+            found = re.search(r"page (http://[0-9.:]+)", started.stderr.readline())
+            assert found is not None
+            started.stderr.close()
+            service = RunningService(started, found[1], 0)
+            until_ready(service)
+            victim = service.pids()["perceive"]
+            os.kill(victim, signal.SIGKILL)  # which is news for the log
+            deadline = time.monotonic() + PATIENCE_S
+            while service.pids().get("perceive", victim) == victim:
+                assert time.monotonic() < deadline
+            until_ready(service)
+            assert service.stop() == 0
+        finally:
+            started.kill()
+
+
+def until_ready(service: RunningService) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        with contextlib.suppress(OSError):
+            if service.get("/readyz")[0] == 200:
+                return
+        assert time.monotonic() < deadline
+        assert service.process.poll() is None
+        time.sleep(0.05)
