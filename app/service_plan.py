@@ -10,7 +10,7 @@ import msgspec
 from app.supervisor.plan import ChildPlan, ServicePlan
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.kernel_cache import data_folder
+from vision_core.kernel_cache import kernel_folder
 from vision_core.net.udp import open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.records import ServiceInfo
@@ -59,8 +59,8 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
 
 
 def prepare_data_folder() -> None:
-    """Make the folder of state. Raises ServiceError when it cannot be written."""
-    folder = data_folder()
+    """Make the folder of state, down to the compiled kernels. Raises ServiceError when it cannot be written."""
+    folder = kernel_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         writable = os.access(folder, os.W_OK)
