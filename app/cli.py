@@ -65,16 +65,15 @@ def serve(
     ] = None,
     venue: Venue = None,
     config: ConfigFile = None,
-    host: Annotated[str | None, typer.Option(envvar="PSLV_HOST", help="Address of the page [127.0.0.1].")] = None,
+    host: Annotated[str | None, typer.Option(envvar="PSLV_HOST", help="Address of the page.")] = None,
     udp_host: Annotated[
-        str | None, typer.Option(envvar="PSLV_UDP_HOST", help="Address of the UDP ports [as --host].")
+        str | None, typer.Option(envvar="PSLV_UDP_HOST", help="Address of the UDP ports; without it, as --host.")
     ] = None,
-    port: Annotated[int | None, typer.Option(envvar="PSLV_PORT", help="TCP port of the page [8000].")] = None,
-    udp_port: Annotated[
-        int | None, typer.Option(envvar="PSLV_UDP_PORT", help="UDP port for (init ...) [6000].")
-    ] = None,
+    port: Annotated[int | None, typer.Option(envvar="PSLV_PORT", help="TCP port of the page; 0: any free one.")] = None,
+    udp_port: Annotated[int | None, typer.Option(envvar="PSLV_UDP_PORT", help="UDP port for (init ...).")] = None,
     session_port: Annotated[
-        int | None, typer.Option(envvar="PSLV_SESSION_PORT", help="UDP port of the sessions [--udp-port + 1].")
+        int | None,
+        typer.Option(envvar="PSLV_SESSION_PORT", help="UDP port of the sessions; without it, --udp-port + 1."),
     ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
@@ -143,8 +142,10 @@ def config_show(venue: Venue = None, config: ConfigFile = None) -> None:
 def config_validate(venue: Venue = None, config: ConfigFile = None) -> None:
     """Say whether settings are in order; exit status 2 when they are not."""
     from vision_core.settings_files import load_settings
+    from vision_core.tasks.preflight import check_tasks
 
     settings = load_settings(venue, config)
+    check_tasks(settings)
     typer.echo(f"in order: field {settings.field.name}, camera {settings.camera.width_px}x{settings.camera.height_px}")
 
 

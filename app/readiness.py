@@ -39,7 +39,7 @@ def _broken(process: ProcessInfo) -> str:
 
 def _silence(readings: Readings) -> tuple[str, ...]:
     """The first link of the chain that delivers nothing, while every process runs."""
-    patience_s = max(LEAST_PATIENCE_S, PATIENCE_PERIODS / readings.service.settings.camera.rate_hz)
+    patience_s = max(LEAST_PATIENCE_S, PATIENCE_PERIODS / _rate_hz(readings))
     if readings.frame is None:
         return (f"no image yet{_note(readings, 'capture')}",)
     if readings.frame.age_s > patience_s:
@@ -54,6 +54,11 @@ def _silence(readings: Readings) -> tuple[str, ...]:
     if not readings.serving.valid:
         return (f"clients have not been served for {readings.serving.age_s:.1f} s{_note(readings, 'serve')}",)
     return ()
+
+
+def _rate_hz(readings: Readings) -> float:
+    """Of the source, which may be a slow video, else the camera's."""
+    return readings.source.value.rate_hz if readings.source else readings.service.settings.camera.rate_hz
 
 
 def _note(readings: Readings, task: str) -> str:

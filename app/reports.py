@@ -38,6 +38,8 @@ class Camera(Report):
     """Images since the start."""
     age_s: float | None
     """Of the newest image, since it was grabbed; null before the first."""
+    shutter_delay_ms: float
+    """From the shutter to the grab, as configured; it comes on top of every lag."""
     robots: int
     """Seen in the newest image; 0 when perception is silent."""
     balls: int
@@ -63,7 +65,7 @@ class Client(Report):
 
 
 class Lag(Report):
-    """From the grab of an image to the last client's datagram, over the last half second."""
+    """From the grab of an image to the last client's datagram, over the last frames that somebody got."""
 
     median_ms: float
     max_ms: float
@@ -154,6 +156,7 @@ def _camera(readings: Readings) -> Camera:
         name=camera.name,
         width_px=camera.width_px,
         height_px=camera.height_px,
+        shutter_delay_ms=camera.shutter_delay_ms,
         rate_hz=camera.rate_hz,
         measured_rate_hz=capture.value.rate_hz if capture and capture.valid else None,
         frames=readings.frame.number if readings.frame else 0,

@@ -7,14 +7,13 @@ import sys
 from dataclasses import dataclass, field
 
 from app.supervisor.plan import ChildPlan
+from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import VARIABLE, HandDown
 from vision_core.rtdb.slots import SlotReader
 
-NS = 1_000_000_000
 CRASHES_TO_DISABLE = 5
 CRASH_WINDOW_S = 60.0
 FIRST_DELAY_S = 0.25
-LONGEST_DELAY_S = 5.0
 START_PATIENCE_S = 60.0
 """A process that has not shown a first heartbeat by then is taken for hung."""
 
@@ -69,7 +68,7 @@ class Child:
             self.state = "done"
             return
         how = f"signal {signal.Signals(-status).name}" if status < 0 else f"exit status {status}"
-        self.ends = [end for end in self.ends if now - end < CRASH_WINDOW_S * NS] + [now]
+        self.ends = [end for end in self.ends if now - end < CRASH_WINDOW_S * NS_PER_S] + [now]
         if self.plan.once:
             self.state, self.detail = "disabled", f"ended with {how}"
         elif len(self.ends) >= CRASHES_TO_DISABLE:
@@ -77,18 +76,18 @@ class Child:
             self.detail = f"{len(self.ends)} ends within a minute, the last with {how}"
         else:
             delay_s = 0.0 if len(self.ends) == 1 else FIRST_DELAY_S * 2.0 ** (len(self.ends) - 2)
-            self.due = now + int(min(delay_s, LONGEST_DELAY_S) * NS)
+            self.due = now + int(delay_s * NS_PER_S)
             self.state, self.detail = "restarting", f"ended with {how}"
             self.restarts += 1
 
-    def is_hung(self, now: int) -> bool:
-        """Has its heartbeat stayed away for too long?"""
+    def is_silent(self, now: int) -> bool:
+        """Has its heartbeat stayed away for too long? The first one tells that it runs."""
         glance = self.heartbeat.glance()
         if glance is None or glance.written < self.started:
-            return now - self.started > START_PATIENCE_S * NS
+            return now - self.started > START_PATIENCE_S * NS_PER_S
         if self.state == "starting":
             self.state, self.detail = "running", ""
-        return not self.plan.once and now - glance.written > self.plan.heartbeat_s * NS
+        return not self.plan.once and now - glance.written > self.plan.heartbeat_s * NS_PER_S
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal if the process still runs."""

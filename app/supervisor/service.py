@@ -9,12 +9,14 @@ import socket
 import time
 from collections.abc import Callable
 
-from app.supervisor.child import NS, Child
+from app.supervisor.child import Child
 from app.supervisor.plan import ServicePlan
+from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import HandDown, monotonic
 from vision_core.rtdb.store import Store, create_block
 
 TICK_S = 0.2
+LONGEST_DETAIL = 200
 STOP_PATIENCE_S = 1.5
 """Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
 
@@ -51,8 +53,8 @@ class Supervisor:
             while not self._stopping:
                 self._turn()
         finally:
-            self._shut_down()
             signal.set_wakeup_fd(wakeup)
+            self._shut_down()
             for number, handler in previous.items():
                 signal.signal(number, handler)
         return 2 if self._failed else 0
@@ -93,7 +95,7 @@ class Supervisor:
             child.bury(now)
             if child.plan.once:
                 self._compiled(child, now)
-        elif child.process is not None and child.is_hung(now):
+        elif child.process is not None and child.is_silent(now):
             self._tell(f"{child.plan.name} does not answer and is killed")
             child.signal(signal.SIGKILL)
         if child.state == "restarting" and now >= child.due:
@@ -113,7 +115,7 @@ class Supervisor:
         if child.state in ("restarting", "disabled") and not child.plan.once:
             self._tell(f"{child.plan.name} {child.detail}: {child.state}")
         elif child.state == "running" and child.restarts:
-            self._tell(f"{child.plan.name} runs again after {(time.monotonic_ns() - child.ends[-1]) / NS:.1f} s")
+            self._tell(f"{child.plan.name} runs again after {(time.monotonic_ns() - child.ends[-1]) / NS_PER_S:.1f} s")
 
     def _publish(self) -> None:
         table = {
@@ -123,7 +125,7 @@ class Supervisor:
                     "pid": child.pid,
                     "state": child.state,
                     "restarts": child.restarts,
-                    "detail": child.detail,
+                    "detail": child.detail[:LONGEST_DETAIL],
                 }
                 for child in self.children
             ]

@@ -123,10 +123,7 @@ class FakeService:
         ball = (0.9 * math.sin(0.5 * t), 0.7 * math.cos(0.37 * t))
         pixels = self._drawn(poses, ball)
         self._writers[f"frames/{CAMERA}"].write(pixels.tobytes(), grabbed, self.clock.now())
-        camera = self.settings.camera
-        source = SourceInfo(
-            "synthetic", "simulated ceiling camera", self.scene.repeats, camera.width_px, camera.height_px, 30.0
-        )
+        source = SourceInfo("synthetic", "simulated ceiling camera", self.scene.repeats, 30.0)
         self.put(records.source(CAMERA), source)
         self.put(records.sightings(CAMERA), self._sightings(poses, ball, grabbed), grabbed)
         self.put(records.WORLD, self._world(poses, ball, grabbed), grabbed)

@@ -25,19 +25,19 @@ class DeviceCamera:
     """
 
     repeats = False
+    skipped = 0
+    """Of what a camera itself leaves out, OpenCV does not tell."""
 
     def __init__(self, device: str, camera: CameraSettings, clock: Clock) -> None:
-        self.width_px, self.height_px = camera.width_px, camera.height_px
+        self._size_px = camera.width_px, camera.height_px
         self._device = device
         self._clock = clock
         self._last = clock.now()
         self._video = open_camera(device, camera.width_px, camera.height_px, camera.rate_hz)
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         try:
-            check_size(
-                f"camera {device}", (self._video.width_px, self._video.height_px), (self.width_px, self.height_px)
-            )
-            self.grab(np.empty((self.height_px, self.width_px, 3), dtype=np.uint8))
+            check_size(f"camera {device}", (self._video.width_px, self._video.height_px), self._size_px)
+            self.grab(np.empty((camera.height_px, camera.width_px, 3), dtype=np.uint8))
         except SourceError:
             self.close()
             raise
@@ -51,7 +51,7 @@ class DeviceCamera:
             raise SourceError(
                 f"camera {self._device}",
                 found="no image, or one of another size",
-                accepted=f"images of {self.width_px}x{self.height_px}",
+                accepted=f"images of {self._size_px[0]}x{self._size_px[1]}",
             )
         now = self._clock.now()
         stamp = driver_instant(self._video.position_ms(), now) or now

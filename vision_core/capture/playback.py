@@ -23,11 +23,16 @@ class Pictures:
 
     def __init__(self, paths: Sequence[Path], description: str, camera: CameraSettings, keeper: RateKeeper) -> None:
         self.description = description
-        self.width_px, self.height_px, self.rate_hz = camera.width_px, camera.height_px, camera.rate_hz
+        self.rate_hz = camera.rate_hz
+        self._size_px = camera.width_px, camera.height_px
         self._paths = paths
         self._keeper = keeper
         self._next = 0
         self._open_path, self._open_picture = paths[0], self._read(paths[0])
+
+    @property
+    def skipped(self) -> int:
+        return self._keeper.skipped
 
     def grab(self, pixels: Bytes) -> Instant:
         """The next picture, as ``Source.grab``. Raises SourceError when it cannot be read or has another size."""
@@ -50,7 +55,7 @@ class Pictures:
     def _read(self, path: Path) -> Bytes:
         picture = read_picture(path)
         height, width, _ = picture.shape
-        check_size(f"picture {path}", (width, height), (self.width_px, self.height_px))
+        check_size(f"picture {path}", (width, height), self._size_px)
         return picture
 
 
@@ -63,11 +68,14 @@ class VideoPlayback:
         self._path = path
         self._video = self._open()
         check_size(f"video {path}", (self._video.width_px, self._video.height_px), (camera.width_px, camera.height_px))
-        self.width_px, self.height_px = camera.width_px, camera.height_px
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         self.description = f"video {path.name} at {self.rate_hz:g} Hz, looped"
         self._keeper = rate_keeper(self.rate_hz, clock, paced=paced)
         self._shown = -1
+
+    @property
+    def skipped(self) -> int:
+        return self._keeper.skipped
 
     def grab(self, pixels: Bytes) -> Instant:
         """The next frame, as ``Source.grab``. Raises SourceError when the file has no frame any more."""

@@ -18,9 +18,12 @@ class Source(Protocol):
     """What status shows, "synthetic, seed 1"."""
     repeats: bool
     """Shows the same again by nature (a still, a looped video): no sign of a frozen camera."""
-    width_px: int
-    height_px: int
     rate_hz: float
+
+    @property
+    def skipped(self) -> int:
+        """Periods that passed without an image because the source itself was late."""
+        ...
 
     def grab(self, pixels: Bytes) -> Instant:
         """Wait for the next image, write it into pixels, and return when it was grabbed.

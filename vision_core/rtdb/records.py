@@ -67,9 +67,8 @@ class SourceInfo:
     uri: str
     description: str
     repeats: bool
-    width_px: int
-    height_px: int
     rate_hz: float
+    """That it promises."""
 
 
 @dataclass(frozen=True, slots=True)

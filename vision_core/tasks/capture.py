@@ -47,6 +47,7 @@ def _run(attachment: Attachment, settings: Settings, source: Source, frames: Slo
     """Grab frames into the ring until told to stop. Raises SourceError when the source is gone."""
     clock = MonotonicClock()
     shape = (settings.camera.height_px, settings.camera.width_px, 3)
+    skipped = 0
     while not attachment.stopping:
         pixels = np.frombuffer(frames.begin(), dtype=np.uint8).reshape(shape)
         grabbed = source.grab(pixels)
@@ -54,7 +55,8 @@ def _run(attachment: Attachment, settings: Settings, source: Source, frames: Slo
         attachment.notify(frames.spec.name)
         gauge.note = ""
         now = clock.now()
-        gauge.ran(grabbed, now)
+        gauge.ran(grabbed, now, source.skipped - skipped)
+        skipped = source.skipped
         gauge.publish_if_due(now)
 
 
@@ -63,8 +65,6 @@ def _info_of(source: Source, settings: Settings) -> SourceInfo:
         uri=settings.source.uri,
         description=source.description,
         repeats=source.repeats,
-        width_px=source.width_px,
-        height_px=source.height_px,
         rate_hz=source.rate_hz,
     )
 

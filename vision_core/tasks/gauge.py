@@ -14,6 +14,7 @@ from vision_core.rtdb.records import TaskInfo
 
 PUBLISH_EVERY_S = 0.5
 MS_PER_S = 1e3
+LONGEST_NOTE = 500
 
 
 class Gauge:
@@ -50,7 +51,7 @@ class Gauge:
             rate_hz=len(responses) / elapsed_s,
             response_median_ms=statistics.median(responses) * MS_PER_S if responses else 0.0,
             response_max_ms=max(responses, default=0.0) * MS_PER_S,
-            note=self.note,
+            note=self.note[:LONGEST_NOTE],
         )
         self._writer.write(info, now, now)
         self._begun = True

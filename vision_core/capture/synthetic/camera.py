@@ -34,7 +34,6 @@ class SyntheticCamera:
                 found=settings.camera.model,
                 accepted="pinhole: a lens to render",
             )
-        self.width_px, self.height_px = settings.camera.width_px, settings.camera.height_px
         self.rate_hz = settings.camera.rate_hz
         self.description = f"synthetic, seed {settings.synthetic.seed}"
         self._settings = settings
@@ -47,6 +46,10 @@ class SyntheticCamera:
     @cached_property
     def _renderer(self) -> Renderer:
         return Renderer(self._settings, self._model, self._world.robots_worn)
+
+    @property
+    def skipped(self) -> int:
+        return self._keeper.skipped
 
     @property
     def truth(self) -> Truth:
