@@ -30,7 +30,6 @@ class Stadium:
         self.clock = MonotonicClock()
         self.rules = self.rules_of(self.clock.now())
         self.main, self.session = open_server_sockets("127.0.0.1", 0, 0)
-        self.frame = 0
         self._grabbed = Instant(0)
         self.blind = False
         """The camera sees no robot."""
@@ -65,10 +64,9 @@ class Stadium:
         return see_from_view(view, options, PAPER_MIRROR, LETTERS, self.rules.boot, nul=session.nul)
 
     def send_frame(self, at: Instant | None = None) -> FrameReport:
-        self.frame += 1
         self._grabbed = at or Instant(max(self.clock.now(), self._grabbed + 1_000_000))  # Time has milliseconds
         grabbed = self._grabbed
-        return self.server.send_views(self.frame, grabbed, lambda session: self.see(session, grabbed))
+        return self.server.send_views(grabbed, lambda session: self.see(session, grabbed))
 
     def run(self, stop: threading.Event) -> None:
         while not stop.is_set():

@@ -46,7 +46,6 @@ class Delivery:
 class FrameReport:
     """How one frame was served."""
 
-    frame_number: int
     deliveries: tuple[Delivery, ...]
     """In the order of sending."""
     events: tuple[Event, ...]
@@ -142,13 +141,7 @@ class UdpServer:
         """End silent sessions; call it once a second or so."""
         return self._carry_out(self.sessions.expire(self._clock.now()))
 
-    def end(self, session: Session) -> list[Event]:
-        """End a session for the operator."""
-        return self._carry_out(self.sessions.close(session))
-
-    def send_views(
-        self, frame_number: int, at: Instant, datagram_for: Callable[[Session], bytes | None]
-    ) -> FrameReport:
+    def send_views(self, at: Instant, datagram_for: Callable[[Session], bytes | None]) -> FrameReport:
         """Send a frame's views in random order to the sessions that want one.
 
         at: grab of the frame; datagram_for: a session's ``see``, or None when its robot is not known.
@@ -168,7 +161,7 @@ class UdpServer:
             deliveries.append(Delivery(session, rank, sent, outcome))
             if outcome is Outcome.REFUSED:
                 events += self._carry_out(self.sessions.refused(session, sent))
-        return FrameReport(frame_number, tuple(deliveries), tuple(events))
+        return FrameReport(tuple(deliveries), tuple(events))
 
     def _receive_from(self, source: SharedSocket | Session) -> list[Event] | None:
         """What the next datagram of a socket leads to; None when there is none."""

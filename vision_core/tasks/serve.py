@@ -104,7 +104,6 @@ class Server:
         scene = self._scenes.scene(sightings)
         at = scene.world.at
         report = self._udp.send_views(
-            scene.world.frame_number,
             at,
             lambda session: self._scenes.datagram(
                 scene, session.team, session.number, session.init.options, nul=session.nul
