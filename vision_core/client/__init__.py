@@ -10,6 +10,7 @@ Theory of operation. ``connect`` sends ``(init blue 3)`` until the server answer
 turns each ``see`` into a ``View`` of arrays; older datagrams than the last one are dropped, and
 ``latest`` skips to the newest. It keeps the session alive, and when the server was restarted it asks
 again, so iteration goes on. Silence is normal, the camera may not see the robot: it is ``None``, no error.
+Millimetres are as right as the mirror that ``connect`` is told; pixels need none.
 
 NumPy and the standard library are enough, on any system. Files: ``connection``, ``view``, and
 ``__main__``, the command ``python -m vision_core.client``.
@@ -17,6 +18,7 @@ NumPy and the standard library are enough, on any system. Files: ``connection``,
 
 from vision_core.client.connection import Connection, connect
 from vision_core.client.view import View
+from vision_core.mirror_model import Mirror
 from vision_core.protocol.options import Options
 
-__all__ = ["Connection", "Options", "View", "connect"]
+__all__ = ["Connection", "Mirror", "Options", "View", "connect"]

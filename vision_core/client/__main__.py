@@ -2,24 +2,29 @@
 
 import argparse
 import json
-import math
+import itertools
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from vision_core.client.connection import Connection, connect
+from vision_core.client.connection import RESTART_S, Connection, connect
 from vision_core.client.view import View
+from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import PslvError
-from vision_core.mirror_model import MM_PER_M, Mirror
-from vision_core.protocol.options import Options
+from vision_core.mirror_model import PAPER_MIRROR, Mirror
+from vision_core.protocol.messages import LARGEST_NUMBER
+from vision_core.protocol.options import FASTEST_HZ, Options
 from vision_core.types.objects import Team
 
 FAILED = 2
 STALE_S = 5.0
+"""No view for so long is worth a line."""
 LONGEST_TIMEOUT_S = 86400.0
+MOST_VIEWS = 10**9
+LARGEST_PORT = 65535
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,10 +33,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         mirror = Mirror(*asked.mirror) if asked.mirror else None
         options = Options(types=asked.types, rate_hz=asked.rate, mirror=mirror)
-        with connect(
-            asked.host, asked.port, asked.team, asked.number, options=options, timeout_s=asked.timeout
-        ) as robot:
-            _follow(robot, asked.count, as_json=asked.json, picture=asked.draw)
+        of_field = Mirror(*asked.field_mirror) if asked.field_mirror else PAPER_MIRROR
+        robot = connect(
+            asked.host,
+            asked.port,
+            asked.team,
+            asked.number,
+            options=options,
+            mirror=of_field,
+            timeout_s=asked.timeout,
+        )
+        with robot:
+            views = itertools.islice(_views(robot, asked.timeout), asked.count)
+            _show(views, robot, as_json=asked.json, picture=asked.draw)
     except PslvError as error:
         print(f"pslv client: {error}", file=sys.stderr)
         return FAILED
@@ -63,15 +77,7 @@ def plain_from_view(view: View) -> dict[str, object]:
 
 def sentence_from_view(view: View) -> str:
     """A view in one line for people."""
-    said = [f"{view.time_s:10.3f} s"]
-    if len(view.mm) and math.isfinite(nearest_mm := view.mm.min()):
-        where = int(np.argmin(view.mm))
-        letter, direction = view.letters[where], view.directions_deg[where]
-        said.append(f"nearest {letter} at {nearest_mm / MM_PER_M:.2f} m, {direction:.0f} deg")
-    ball = view.ball
-    away = f"at {view.ball_mm / MM_PER_M:.2f} m, {ball.direction_deg} deg"
-    said.append("ball hidden" if ball.hidden else f"ball {away}")
-    return ", ".join(said)
+    return f"{view.time_s:10.3f} s, {view.summary}"
 
 
 def draw(view: View, robot: Connection, path: Path) -> None:
@@ -92,20 +98,50 @@ def draw(view: View, robot: Connection, path: Path) -> None:
     write_png(path, picture)
 
 
-def _follow(robot: Connection, count: int | None, *, as_json: bool, picture: Path | None) -> None:
-    """Print views as they come; draw the last one at the end, also when that is Ctrl-C."""
-    last, seen = None, 0
+def _views(robot: Connection, timeout_s: float) -> Iterator[View]:
+    """Views as they come; gaps are told. Raises PslvError unless the first one comes in time."""
+    clock = MonotonicClock()
+    deadline = after(clock.now(), timeout_s)
+    waiting = True
+    while True:
+        patience_s = min(seconds_between(clock.now(), deadline), STALE_S) if waiting else STALE_S
+        view = robot.receive(patience_s)
+        if view is not None:
+            waiting = False
+            yield view
+        elif waiting and clock.now() >= deadline:
+            raise PslvError(f"{_why_silent(robot)}; no view within {timeout_s:g} s (--timeout)")
+        else:
+            print(f"pslv client: {_why_silent(robot)}", file=sys.stderr)
+
+
+def _why_silent(robot: Connection) -> str:
+    """The client asks a silent server every second: one that runs has just answered."""
+    if robot.silent_s >= RESTART_S:
+        return f"the server has not answered for {robot.silent_s:.0f} s: does it run?"
+    who = f"{robot.init.team} {robot.init.number}"
+    return f"connected as {who} from port {robot.port}, but the camera does not see it"
+
+
+def _show(views: Iterator[View], robot: Connection, *, as_json: bool, picture: Path | None) -> None:
+    """Print views; draw the last one at the end, also when that is Ctrl-C."""
+    last = None
     try:
-        while count is None or seen < count:
-            view = robot.receive(STALE_S)
-            if view is None:
-                print("pslv client: no view: does the camera see the robot, does the server run?", file=sys.stderr)
-                continue
-            last, seen = view, seen + 1
-            print(json.dumps(plain_from_view(view)) if as_json else sentence_from_view(view), flush=True)
+        for last in views:  # noqa: B007
+            print(json.dumps(plain_from_view(last)) if as_json else sentence_from_view(last), flush=True)
     finally:
         if picture is not None and last is not None:
             draw(last, robot, picture)
+
+
+def _within(least: int, most: int) -> Callable[[str], int]:
+    def integer(text: str) -> int:
+        value = int(text)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{text} is not within {least}..{most}")
+        return value
+
+    return integer
 
 
 def _seconds(text: str) -> float:
@@ -116,18 +152,40 @@ def _seconds(text: str) -> float:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="pslv client", description="Be a robot: connect, and print what it sees.")
-    parser.add_argument("--team", required=True, choices=[team.value for team in Team])
-    parser.add_argument("--number", required=True, type=int, help="of the robot, from 1")
-    parser.add_argument("--host", default="127.0.0.1", help="of the server [%(default)s]")
-    parser.add_argument("--port", type=int, default=6000, help="UDP port of the server [%(default)s]")
-    parser.add_argument("--count", type=int, help="end after so many views [never]")
-    parser.add_argument("--json", action="store_true", help="one line of JSON per view")
-    parser.add_argument("--draw", type=Path, metavar="PNG", help="draw the last view as the on-board picture")
-    parser.add_argument("--types", choices=["same", "team", "number"], default="same", help="how edges name robots")
-    parser.add_argument("--rate", type=int, metavar="HZ", help="at most so many views a second [every frame]")
-    parser.add_argument("--mirror", type=float, nargs=3, metavar=("A", "B", "C"), help="ask for this mirror")
-    parser.add_argument("--timeout", type=_seconds, default=5.0, help="wait so long for an answer [%(default)s s]")
+    parser = argparse.ArgumentParser(
+        prog="pslv client",
+        description="Be a robot: connect, and print what it sees.",
+        epilog="Exit code 2, with one line that says why, when the server refuses, or no view comes in time.",
+    )
+    add = parser.add_argument
+    add("--team", required=True, choices=[team.value for team in Team])
+    add("--number", required=True, type=_within(1, LARGEST_NUMBER), help=f"of the robot, 1..{LARGEST_NUMBER}")
+    add("--host", default="127.0.0.1", help="name or address of the server's computer [%(default)s]")
+    add(
+        "--port",
+        type=_within(1, LARGEST_PORT),
+        default=os.environ.get("PSLV_UDP_PORT") or "6000",
+        help="UDP port of the server [that of the variable PSLV_UDP_PORT, else 6000]",
+    )
+    add("--count", type=_within(1, MOST_VIEWS), help="end after so many views [never]")
+    add("--json", action="store_true", help="one line of JSON per view")
+    add("--draw", type=Path, metavar="PNG", help="draw the last view as the on-board picture")
+    add("--types", choices=["same", "team", "number"], default="same", help="how edges name robots")
+    rate_help = f"at most so many views a second, 1..{FASTEST_HZ} [every frame]"
+    add("--rate", type=_within(1, FASTEST_HZ), metavar="HZ", help=rate_help)
+    abc = ("A", "B", "C")
+    mirror_help = "ask for this mirror instead of the field's; metres are then right on any field"
+    add("--mirror", type=float, nargs=3, metavar=abc, help=mirror_help)
+    add(
+        "--field-mirror",
+        type=float,
+        nargs=3,
+        metavar=abc,
+        help="the field's mirror is this one, asks for nothing: metres depend on it, and the server does not tell it."
+        " It stands in the field's preset, config/fields/*.toml [that of the fields up to 3 m; --mirror goes before]",
+    )
+    timeout_help = "wait so long for the server's answer, then so long for the first view [%(default)g s]"
+    add("--timeout", type=_seconds, default=5.0, metavar="S", help=timeout_help)
     return parser
 
 

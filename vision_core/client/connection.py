@@ -44,8 +44,10 @@ def connect(
 ) -> "Connection":
     """Ask a server for a robot's views.
 
-    mirror: that of the server's field, to turn pixels into millimetres (version 1 does not tell it);
-    ``options.mirror``, if any, goes before it. Raises ConnectionRefused when the server refuses, with its
+    mirror: that of the server's field. Every ``View.mm`` and ``ball_mm`` depends on it, and version 1 of the
+    protocol does not tell it: look it up in the preset (``config/fields``, section ``mirror``) unless the field
+    is at most 3 m long, whose mirror is the default. Or ask for a mirror of your own, ``options.mirror``: the
+    server then looks through that one, it goes before ``mirror``, and distances are right on any field. Raises ConnectionRefused when the server refuses, with its
     reason, or does not answer in time, and ValueError for a team that is none.
     """
     connection = Connection(host, port, Init(Team(team), number, options), mirror, clock or MonotonicClock())
@@ -87,6 +89,11 @@ class Connection:
             view = self.receive(PATIENCE_S)
             if view is not None:
                 yield view
+
+    @property
+    def port(self) -> int:
+        """UDP port of the server that the last datagram came from; views come from there."""
+        return self._server[1]
 
     @property
     def silent_s(self) -> float:

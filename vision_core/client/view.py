@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Floats, frozen
-from vision_core.mirror_model import Mirror
+from vision_core.mirror_model import MM_PER_M, Mirror
 from vision_core.protocol.messages import Ball, See
 from vision_core.protocol.options import Options, directions_deg
 
@@ -17,7 +17,7 @@ HALF_PX = 0.5
 """The server cut the true distance down to a whole pixel: its expectation lies half a pixel farther."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class View:
     """What the robot sees at one instant; arrays are read-only, one place per direction."""
 
@@ -34,6 +34,22 @@ class View:
     ball: Ball
     ball_mm: float
     """inf when it is hidden."""
+
+    def __repr__(self) -> str:
+        """One line, not hundreds of edges."""
+        return f"View({self.time_s:.3f} s, {len(self.px)} edges, {self.summary})"
+
+    @property
+    def summary(self) -> str:
+        """The nearest edge and the ball, for people."""
+        nearest = "nothing near"
+        if len(self.mm) and math.isfinite(nearest_mm := self.mm.min()):
+            where = int(np.argmin(self.mm))
+            letter, direction = self.letters[where], self.directions_deg[where]
+            nearest = f"nearest {letter} at {nearest_mm / MM_PER_M:.2f} m, {direction:.0f} deg"
+        if self.ball.hidden:
+            return f"{nearest}, ball hidden"
+        return f"{nearest}, ball at {self.ball_mm / MM_PER_M:.2f} m, {self.ball.direction_deg} deg"
 
 
 def view_from_see(see: See, options: Options, mirror: Mirror) -> View:

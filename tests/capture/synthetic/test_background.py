@@ -8,6 +8,8 @@ from vision_core.capture.synthetic.background import make_background
 from vision_core.geometry import Bytes, Floats
 from vision_core.settings import Settings
 
+pytestmark = pytest.mark.slow  # renders whole pictures
+
 
 def picture_at(settings: Settings, image: Bytes, points: Floats, height_m: float = 0.0) -> Floats:
     """Mean grey at points of the field, shape (n, 2) [m]."""

@@ -11,6 +11,8 @@ from vision_core.geometry import Bytes
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 
+pytestmark = pytest.mark.slow  # renders whole pictures
+
 
 def frames(settings: Settings, count: int) -> tuple[SyntheticCamera, list[Bytes], list[Instant]]:
     camera = SyntheticCamera(settings, ManualClock(Instant(100)), paced=False)

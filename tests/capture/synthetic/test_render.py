@@ -12,6 +12,8 @@ from vision_core.capture.synthetic.truth import visible_share
 from vision_core.geometry import Bytes, Floats
 from vision_core.settings import Settings
 
+pytestmark = pytest.mark.slow  # renders whole pictures
+
 LENSES: dict[str, dict[str, Any]] = {
     "default": {},
     "large": {
