@@ -1,15 +1,15 @@
 """Ten clients written from the paper's text, on the demo, for a minute.
 
-Beside them runs a sleeper that asks for 1 ms: when the whole machine stands still, it shows that the
-machine did. A frame that a client misses is our own fault unless the sleeper overslept by 10 ms or more
-at the same moment.
+Beside them a sleeper on each core asks for 1 ms again and again: when the machine stands still, it shows
+that the machine did. A frame that a client misses is our own fault unless a sleeper overslept by 10 ms or
+more at the same moment.
 """
 
 import itertools
 import json
+import os
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,8 @@ from typing import Any
 from bench.service import RunningService, running_service
 
 PAPER_CLIENT = Path(__file__).with_name("paper_client.py")
+SLEEPER = Path(__file__).with_name("sleeper.py")
 PERIOD_S = 1.0 / 30.0
-NAP_S = 0.001
 STALL_S = 0.010
 NEAR_S = 0.1
 """A stall so long before a missing frame was due still explains it."""
@@ -32,63 +32,60 @@ Report = dict[str, Any]
 def run(seconds: float = 60.0) -> list[dict[str, Any]]:
     """Start the service and ten clients; returns the rows of the table."""
     with running_service() as service:
-        sleeper = Sleeper()
+        sleepers = Sleepers()
         clients = [_client(service, team, number, seconds) for team in ("blue", "yellow") for number in range(1, 6)]
         time.sleep(seconds - BEFORE_END_S)
         status = service.get("/api/v1/status")[1]
         boot_s = time.monotonic() - status["uptime_s"]
         reports = [json.loads(client.communicate()[0]) for client in clients]
-        sleeper.stop()
-    rows = [row for report in reports for row in _client_rows(report, sleeper, boot_s)]
-    return [*rows, *sleeper.rows(), *_lag_rows(status)]
+        sleepers.stop()
+    rows = [row for report in reports for row in _client_rows(report, sleepers, boot_s)]
+    return [*rows, *sleepers.rows(), *_status_rows(status)]
 
 
-class Sleeper:
-    """Sleeps 1 ms again and again and notes how late it wakes."""
+class Sleepers:
+    """One on each core; see ``bench/sleeper.py``."""
 
     def __init__(self) -> None:
-        self._running = True
-        self._wakes: list[tuple[float, float]] = []
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
+        self._processes = [_started(SLEEPER, str(core)) for core in sorted(os.sched_getaffinity(0))]
+        self.reports: list[Report] = []
 
     def stop(self) -> None:
-        """End the sleep."""
-        self._running = False
-        self._thread.join()
+        """End their sleep and take their reports."""
+        self.reports = [json.loads(process.communicate()[0]) for process in self._processes]
 
-    def stalled_between(self, start_s: float, end_s: float) -> bool:
-        """Did the machine stand still at any time in between [s of the monotonic clock]?"""
-        return any(late > STALL_S and woke > start_s and woke - late < end_s for woke, late in self._wakes)
+    def stood_still_between(self, start_s: float, end_s: float) -> bool:
+        """Did a core stand still at any time in between [s of the monotonic clock]?"""
+        naps = [nap for report in self.reports for nap in report["overslept"]]
+        return any(late > STALL_S and woke > start_s and woke - late < end_s for woke, late in naps)
 
     def rows(self) -> list[dict[str, Any]]:
-        """How late it woke."""
-        late = sorted(late for _, late in self._wakes)
-        p99 = late[int(0.99 * len(late))]
-        return [
-            {"name": "sleeper, 1 ms: p99 lateness", "value": round(p99 * 1e3, 2), "unit": "ms"},
-            {"name": "sleeper, 1 ms: max lateness", "value": round(late[-1] * 1e3, 2), "unit": "ms"},
-            {"name": "sleeper, 1 ms: over 10 ms late", "value": sum(v > STALL_S for v in late), "unit": "times"},
-        ]
-
-    def _run(self) -> None:
-        while self._running:
-            asked = time.monotonic()
-            time.sleep(NAP_S)
-            woke = time.monotonic()
-            self._wakes.append((woke, woke - asked - NAP_S))
+        """How late they woke."""
+        rows: list[dict[str, Any]] = []
+        for core, report in enumerate(self.reports):
+            late = [late for _, late in report["overslept"]]
+            name = f"sleeper on core {core} ({report['policy']}), 1 ms"
+            rows.append({"name": f"{name}: naps", "value": report["naps"], "unit": ""})
+            rows.append({"name": f"{name}: latest", "value": round(max(late, default=0.0) * 1e3, 1), "unit": "ms"})
+            rows.append({"name": f"{name}: over 10 ms late", "value": sum(v > STALL_S for v in late), "unit": "times"})
+        return rows
 
 
 def _client(service: RunningService, team: str, number: int, seconds: float) -> "subprocess.Popen[str]":
     arguments = [team, str(number), str(seconds), "127.0.0.1", str(service.udp_port)]
-    return subprocess.Popen([sys.executable, str(PAPER_CLIENT), *arguments], stdout=subprocess.PIPE, text=True)
+    return _started(PAPER_CLIENT, *arguments)
 
 
-def _client_rows(report: Report, sleeper: Sleeper, boot_s: float) -> list[dict[str, Any]]:
+def _started(script: Path, *arguments: str) -> "subprocess.Popen[str]":
+    command = [sys.executable, str(script), *arguments]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def _client_rows(report: Report, sleepers: Sleepers, boot_s: float) -> list[dict[str, Any]]:
     ours, machine = 0, 0
     for before, after in itertools.pairwise(report["times"]):
         skipped = round((after - before) / PERIOD_S) - 1
-        if sleeper.stalled_between(boot_s + before - NEAR_S, boot_s + after):
+        if sleepers.stood_still_between(boot_s + before - NEAR_S, boot_s + after):
             machine += skipped
         else:
             ours += skipped
@@ -102,6 +99,15 @@ def _client_rows(report: Report, sleeper: Sleeper, boot_s: float) -> list[dict[s
     ]
 
 
-def _lag_rows(status: Report) -> list[dict[str, Any]]:
+def _status_rows(status: Report) -> list[dict[str, Any]]:
+    """What the service says of itself."""
     lag = status["lag"]
-    return [{"name": f"server's lag, {key[:-3]}", "value": round(lag[key], 2), "unit": "ms"} for key in sorted(lag)]
+    rows = [{"name": f"server's lag, {key[:-3]}", "value": round(lag[key], 2), "unit": "ms"} for key in sorted(lag)]
+    missed = {row["name"]: row["missed"] for row in status["processes"]}
+    return [
+        *rows,
+        *(
+            {"name": f"frames missed by {name}, as it says", "value": missed[name], "unit": ""}
+            for name in ("capture", "perceive", "serve")
+        ),
+    ]
