@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.client.fake import ScriptedServer
 from tests.net.serving import Stadium, running
+from vision_core.client import __main__ as command_module
 from vision_core.client.__main__ import main
 
 ROOT = Path(__file__).parents[2]
@@ -73,9 +75,9 @@ def test_a_picture(stadium: Stadium, tmp_path: Path, more: list[str]) -> None:
     [
         (["--number", "6"], "illegal_number"),
         (["--mirror", "1", "0", "1"], "a mirror of equation 1"),
-        (["--rate", "0"], "illegal_option"),
         (["--count", "1", "--draw", "/no/such/folder/view.png"], "/no/such/folder"),
         (["--port", "1", "--timeout", "0.1"], "no answer"),
+        (["--field-mirror", "1", "0", "1"], "a mirror of equation 1"),
     ],
 )
 def test_what_goes_wrong_is_one_line_and_exit_2(
@@ -125,11 +127,85 @@ def test_a_reader_who_has_seen_enough(stadium: Stadium) -> None:
         assert client.stderr.read() == ""
 
 
-@pytest.mark.parametrize("timeout_s", ["nan", "inf", "0", "-1", "soon"])
-def test_a_timeout_that_is_none_is_refused(
-    stadium: Stadium, capsys: pytest.CaptureFixture[str], timeout_s: str
+def granting(*then: bytes) -> ScriptedServer:
+    return ScriptedServer(lambda data: [b"(init blue 3 play_on)", *then] if data.startswith(b"(init") else [])
+
+
+def test_a_robot_that_the_camera_does_not_see_is_waited_for_so_long(capsys: pytest.CaptureFixture[str]) -> None:
+    with granting() as server:
+        assert main(["--team=blue", "--number=3", f"--port={server.port}", "--count=1", "--timeout=0.3"]) == 2
+    said = f"connected as blue 3 from port {server.port}, but the camera does not see it; no view within 0.3 s"
+    assert said in capsys.readouterr().err
+
+
+def test_while_it_waits_it_says_what_for(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command_module, "STALE_S", 0.1)
+    with granting() as server:
+        assert main(["--team=blue", "--number=3", f"--port={server.port}", "--timeout=0.25"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 3
+    assert all("connected as blue 3" in line for line in lines)
+    assert ["no view within" in line for line in lines] == [False, False, True]
+
+
+def test_a_server_that_died_is_told_from_a_robot_that_is_not_seen(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(command_module, "RESTART_S", 0.2)
+    answers = iter([[b"(init blue 3 play_on)"]])
+    with ScriptedServer(lambda _: next(answers, [])) as server:
+        assert main(["--team=blue", "--number=3", f"--port={server.port}", "--timeout=0.3"]) == 2
+    assert "the server has not answered" in capsys.readouterr().err
+
+
+def test_the_fields_mirror_is_for_decoding_alone(stadium: Stadium, capsys: pytest.CaptureFixture[str]) -> None:
+    """44 px through the mirror of division B are another distance, and the server is not asked for anything."""
+    mirror = ["1.933098", "0.00296946", "360000"]
+    assert main(arguments(stadium, "--count", "1", "--field-mirror", *mirror)) == 0
+    assert "nearest w at 0.30 m" in capsys.readouterr().out
+    see = b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"
+    with granting(see) as server:
+        robot = ["--team=blue", "--number=3", f"--port={server.port}", "--count=1"]
+        assert main([*robot, "--field-mirror", *mirror]) == 0
+    assert server.heard[0] == b"(init blue 3)"
+
+
+def test_the_port_is_that_of_the_servers_variable(
+    stadium: Stadium, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PSLV_UDP_PORT", str(stadium.port))
+    monkeypatch.setenv("PSLV_HOST", "0.0.0.0")  # where a server listens is no address to send to
+    assert main(["--team", "blue", "--number", "3", "--count", "1"]) == 0
+    assert "nearest w" in capsys.readouterr().out
+    monkeypatch.setenv("PSLV_UDP_PORT", "0")
+    with pytest.raises(SystemExit):
+        main(["--team", "blue", "--number", "3"])
+    assert "argument --port: 0 is not within 1..65535" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "values"),
+    [
+        ("--timeout", ["nan", "inf", "0", "-1", "soon"]),
+        ("--rate", ["0", "1001", "fast"]),
+        ("--number", ["0", "17", "x"]),
+        ("--port", ["0", "65536", "-1"]),
+        ("--count", ["0", "-1"]),
+    ],
+)
+def test_a_value_out_of_its_range_is_refused(
+    stadium: Stadium, capsys: pytest.CaptureFixture[str], option: str, values: list[str]
+) -> None:
+    for value in values:
+        with pytest.raises(SystemExit) as ended:
+            main(arguments(stadium, f"{option}={value}"))
+        assert ended.value.code == 2
+        assert f"argument {option}: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("word", ["PSLV_UDP_PORT", "first view", "1..1000", "1..16", "config/fields"])
+def test_help_tells(capsys: pytest.CaptureFixture[str], word: str) -> None:
     with pytest.raises(SystemExit) as ended:
-        main(arguments(stadium, "--timeout", timeout_s))
-    assert ended.value.code == 2
-    assert "--timeout" in capsys.readouterr().err
+        main(["--help"])
+    assert ended.value.code == 0
+    assert word in " ".join(capsys.readouterr().out.split())

@@ -55,6 +55,16 @@ def test_unknown_letters_are_kept_and_an_empty_see_is_empty() -> None:
     assert len(view_from_see(See(0, b"", HIDDEN), PAPER_OPTIONS, PAPER_MIRROR).px) == 0
 
 
+def test_a_printed_view_is_one_short_line() -> None:
+    see = See(20306_148000, b"w2c" * 359 + b"-ff", Ball(61, 121, 3))
+    view = view_from_see(see, PAPER_OPTIONS, PAPER_MIRROR)
+    expected = "View(20306.148 s, 360 edges, nearest w at 0.22 m, 0 deg, ball at 0.38 m, 121 deg)"
+    assert (str(view), repr(view)) == (expected, expected)
+    empty = view_from_see(See(0, b"-ff", HIDDEN), PAPER_OPTIONS, PAPER_MIRROR)
+    assert repr(empty) == "View(0.000 s, 1 edges, nothing near, ball hidden)"
+    assert repr(view_from_see(See(0, b"", HIDDEN), PAPER_OPTIONS, PAPER_MIRROR)).startswith("View(0.000 s, 0 edges")
+
+
 @pytest.mark.parametrize("name", ["letters", "px", "mm", "directions_deg"])
 def test_arrays_are_read_only(name: str) -> None:
     view = view_from_see(See(0, b"w10", HIDDEN), PAPER_OPTIONS, PAPER_MIRROR)

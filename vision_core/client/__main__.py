@@ -1,8 +1,8 @@
 """``python -m vision_core.client``: be a robot, and print or draw what it sees."""
 
 import argparse
-import json
 import itertools
+import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -127,7 +127,7 @@ def _show(views: Iterator[View], robot: Connection, *, as_json: bool, picture: P
     """Print views; draw the last one at the end, also when that is Ctrl-C."""
     last = None
     try:
-        for last in views:  # noqa: B007
+        for last in views:
             print(json.dumps(plain_from_view(last)) if as_json else sentence_from_view(last), flush=True)
     finally:
         if picture is not None and last is not None:

@@ -47,8 +47,10 @@ def connect(
     mirror: that of the server's field. Every ``View.mm`` and ``ball_mm`` depends on it, and version 1 of the
     protocol does not tell it: look it up in the preset (``config/fields``, section ``mirror``) unless the field
     is at most 3 m long, whose mirror is the default. Or ask for a mirror of your own, ``options.mirror``: the
-    server then looks through that one, it goes before ``mirror``, and distances are right on any field. Raises ConnectionRefused when the server refuses, with its
-    reason, or does not answer in time, and ValueError for a team that is none.
+    server then looks through that one, it goes before ``mirror``, and distances are right on any field.
+
+    Raises ConnectionRefused when the server refuses, with its reason, or does not answer in time, and
+    ValueError for a team that is none.
     """
     connection = Connection(host, port, Init(Team(team), number, options), mirror, clock or MonotonicClock())
     try:
@@ -93,7 +95,7 @@ class Connection:
     @property
     def port(self) -> int:
         """UDP port of the server that the last datagram came from; views come from there."""
-        return self._server[1]
+        return int(self._server[1])
 
     @property
     def silent_s(self) -> float:
