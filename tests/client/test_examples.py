@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.client.fake import ScriptedServer
 from tests.client.test_command import environment
 from tests.net.serving import Stadium, running
 
@@ -27,3 +28,39 @@ def test_an_example(name: str, expected: str) -> None:
     stadium.close()
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.count(expected) == 5
+
+
+def run_stdlib_client(port: int, views: int = 1) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(EXAMPLES / "stdlib_client.py"), "blue", "3", "127.0.0.1", str(port), str(views)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment(), check=False)
+
+
+@pytest.mark.slow
+def test_without_a_server_it_asks_again_and_says_one_line() -> None:
+    with ScriptedServer(lambda _: []) as server:
+        done = run_stdlib_client(server.port)
+    assert server.heard == [b"(init blue 3)"] * 5
+    assert (done.returncode, done.stdout) == (1, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"no answer from 127.0.0.1 port {server.port}")
+
+
+@pytest.mark.slow
+def test_a_robot_that_the_camera_does_not_see_is_one_line() -> None:
+    with ScriptedServer(lambda data: [b"(init blue 3 play_on)"] if data.startswith(b"(init") else []) as server:
+        done = run_stdlib_client(server.port)
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("connected as blue 3, but no view")
+    assert server.heard[-1] == b"(bye)"
+
+
+@pytest.mark.parametrize("lost", [0, 1])
+def test_late_answers_are_passed_over_and_an_end_is_said(lost: int) -> None:
+    granted, see = b"(init blue 3 play_on)", b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"
+    answers = iter([[]] * lost + [[granted, granted, see, see, b"(error replaced)"]])
+    with ScriptedServer(lambda _: next(answers, [])) as server:
+        done = run_stdlib_client(server.port, views=3)
+    assert done.stdout.count("1.000 s: ahead w at 44 px, ball hidden") == 2
+    assert (done.returncode, done.stderr) == (1, "(error replaced)\n")
+    assert server.heard == [b"(init blue 3)"] * (lost + 1) + [b"(bye)"]

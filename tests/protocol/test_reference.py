@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 
 from tests.protocol.samples import LETTERS
-from vision_core.protocol.codec import COMMANDS, decode_commands, decode_message
+from vision_core.protocol.codec import COMMANDS, LONGEST_COMMAND, decode_commands, decode_message
 from vision_core.protocol.messages import Faulty, Init, See
 from vision_core.protocol.options import MOST_DIRECTIONS, RULES
 from vision_core.protocol.refusals import ErrorName
+from vision_core.protocol.session import OFTEN
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
@@ -51,6 +52,19 @@ def test_messages_shown_are_legal() -> None:
     for shown in re.findall(r"`(\((?:init|bye) ?(?:blue|\(team blue)[^`]*\))`", REFERENCE):
         request = decode_commands(shown.encode())
         assert request is None or not isinstance(request.commands[0], Faulty), shown
+
+
+def test_what_it_calls_silence_is_silence() -> None:
+    said = re.search(r"answered with silence:\*\*(.*?)What begins with `\(` .*? as `(.*?)`", REFERENCE, flags=re.DOTALL)
+    assert said is not None
+    silent = re.findall(r"as\s+`(.+?)`", said[1])
+    assert len(silent) == 2
+    assert [decode_commands(datagram.encode()) for datagram in silent] == [None, None]
+    assert f"more than {LONGEST_COMMAND} bytes" in said[1]
+    request = decode_commands(said[2].encode())
+    assert request is not None
+    assert request.commands == (Faulty(ErrorName.ILLEGAL_FORM),)
+    assert ErrorName.ILLEGAL_FORM in OFTEN
 
 
 def test_the_example_shown_is_the_one_that_runs() -> None:

@@ -11,7 +11,7 @@ from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock, seconds_bet
 
 
 class RateKeeper:
-    """Waits for the instants of a grid that begins when it is made."""
+    """Waits for the instants of a grid that begins when it is first asked: opening a source is no late image."""
 
     def __init__(self, rate_hz: float, clock: Clock, sleep: Callable[[float], None] = time.sleep) -> None:
         self.rate_hz = rate_hz
@@ -20,7 +20,7 @@ class RateKeeper:
         self.skipped = 0
         self._clock = clock
         self._sleep = sleep
-        self._start = clock.now()
+        self._start: Instant | None = None
 
     def wait(self) -> Instant:
         """Sleep until the next instant of the grid that is not over, and return it: always later than the last."""
@@ -30,6 +30,8 @@ class RateKeeper:
     def choose(self) -> Instant:
         """The next instant of the grid that is not over, for work that must be done before it."""
         now = self._clock.now()
+        if self._start is None:
+            self._start = now
         due = self.number + 1
         number = max(due, int(seconds_between(self._start, now) * self.rate_hz))
         while self._instant(number) < now:
@@ -46,6 +48,7 @@ class RateKeeper:
         return deadline
 
     def _instant(self, number: int) -> Instant:
+        assert self._start is not None
         return Instant(self._start + round(number * NS_PER_S / self.rate_hz))
 
 
