@@ -58,7 +58,8 @@ def test_a_robot_that_the_camera_does_not_see_is_one_line() -> None:
 @pytest.mark.parametrize("lost", [0, 1])
 def test_late_answers_are_passed_over_and_an_end_is_said(lost: int) -> None:
     granted, see = b"(init blue 3 play_on)", b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"
-    answers = iter([[]] * lost + [[granted, granted, see, see, b"(error replaced)"]])
+    silence: list[list[bytes]] = [[]] * lost
+    answers = iter([*silence, [granted, granted, see, see, b"(error replaced)"]])
     with ScriptedServer(lambda _: next(answers, [])) as server:
         done = run_stdlib_client(server.port, views=3)
     assert done.stdout.count("1.000 s: ahead w at 44 px, ball hidden") == 2
