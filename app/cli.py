@@ -60,7 +60,8 @@ def serve(
     source: Annotated[
         str | None,
         typer.Option(
-            envvar="PSLV_SOURCE", help="synthetic, file:<picture, folder or video> or camera:<number or path>."
+            envvar="PSLV_SOURCE",
+            help="synthetic, file:PICTURE, file:FOLDER, file:VIDEO or camera:0, camera:/dev/video0.",
         ),
     ] = None,
     venue: Venue = None,

@@ -1,5 +1,6 @@
 """From settings to what the supervisor starts: the task table, records, sockets."""
 
+import errno
 import os
 import socket
 import sys
@@ -95,10 +96,12 @@ def _listen(host: str, port: int) -> socket.socket:
         listener.listen(BACKLOG)
     except (OSError, TypeError) as error:  # TypeError: what no host can be named, in bind's words
         listener.close()
+        in_use = getattr(error, "errno", None) == errno.EADDRINUSE
+        free = "a free port: --port 0 takes any, --port N chooses one"
         raise ServiceError(
             f"TCP port {port} at {host}",
             found=getattr(error, "strerror", None) or str(error),
-            accepted="a free port: --port 0 takes any, --port N chooses one",
+            accepted=free if in_use else "an address of this machine, and a port that it may open",
         ) from None
     return listener
 

@@ -82,12 +82,12 @@ def test_a_palette_is_replaced_as_a_whole(tmp_path: Path) -> None:
 
 
 WRONG = [
-    ("[camera]\nwidth_px = 3", "camera.width_px; found: 3; accepted: int >= 64"),
+    ("[camera]\nwidth_px = 3", "camera.width_px; found: 3; accepted: a whole number >= 64"),
     ("[camera]\nwdth_px = 640", r"camera.wdth_px; found: no setting of this name \(did you mean width_px\?\)"),
     ("[camera]\nrate_hz = nan", "camera.rate_hz"),
     ("[mirrror]\na = 1", r"mirrror; found: no setting of this name \(did you mean mirror\?\)"),
-    ("[server]\nport = 70000", "server.port; found: 70000; accepted: int <= 65535"),
-    ("[server]\nport = 'x'", "server.port; found: 'x'; accepted: int"),
+    ("[server]\nport = 70000", "server.port; found: 70000; accepted: a whole number <= 65535"),
+    ("[server]\nport = 'x'", "server.port; found: 'x'; accepted: a whole number"),
     ("[ball]\ncolor = 'red'", "ball.color; found: 'red'; accepted: a color class: orange, yellow"),
     ("[mirror]\nb = -1.0", "mirror; found: A 4.0187, B -1, C 90000; accepted: B >= 0"),
     ("[mirror]\na = nan", "mirror.a; found: nan; accepted: a number"),
@@ -97,13 +97,14 @@ WRONG = [
     ("[colors.classes]\norange = [{ value = [0.9, 0.1] }]", r"orange.value; found: \[0.9, 0.1\]; accepted: the lower"),
     ("[colors.classes]\norange = [{ luma = [0, 9] }]", r"orange; found: luma; accepted: .*\(colors.space is hsv\)"),
     ("[match]\nblue_ids = [1, 1, 2, 3, 4, 5]", "match.blue_ids; .* each once"),
-    ("[match]\nnumbers = 17", "match.numbers; found: 17; accepted: int <= 16"),
+    ("[match]\nnumbers = 17", "match.numbers; found: 17; accepted: a whole number <= 16"),
     ("field_preset = 'moon'", "field 'moon'; found: no such file; accepted: ssl-2002, ssl-division-b"),
-    ("camera = 3", "camera; found: 3; accepted: object"),
+    ("camera = 3", "camera; found: 3; accepted: a table"),
+    ("[camera]\nmodel = 'homografy'", "camera.model; found: 'homografy'; accepted: homography, pinhole"),
     ("[protocol.letters]\nfirst_blue = '~'", "protocol.letters.first_blue"),
-    ("[server]\nhost = ''", "server.host; found: ''; accepted: str of length >= 1"),
+    ("[server]\nhost = ''", "server.host; found: ''; accepted: a text of length >= 1"),
     ("[tracks]\nrobot_noise_m = 1e308", "tracks.robot_noise_m; found: 1e[+]308"),
-    ("[synthetic]\nseed = -1", "synthetic.seed; found: -1; accepted: int >= 0"),
+    ("[synthetic]\nseed = -1", "synthetic.seed; found: -1; accepted: a whole number >= 0"),
 ]
 
 
@@ -146,3 +147,13 @@ def test_an_unknown_venue_lists_the_known_ones() -> None:
 def test_the_schema_tells_ranges() -> None:
     schema = msgspec.json.schema(Settings)
     assert schema["$defs"]["CameraSettings"]["properties"]["width_px"]["minimum"] == 64
+
+
+def test_a_corner_far_outside_of_the_picture_is_a_slip(tmp_path: Path) -> None:
+    text = (config_folder() / "minimal.toml").read_text()
+    venue = tmp_path / "venue.toml"
+    venue.write_text(text.replace("[1200.0, 30.0]", "[12000.0, 30.0]"))
+    with pytest.raises(
+        SettingsError, match=r"found: 'right top corner' at \(12000, 30\) px; accepted: points in or near"
+    ):
+        load_settings(str(venue))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from vision_core.errors import SettingsError
 from vision_core.field_model import diagonal_m
 from vision_core.mirror_model import check_span
-from vision_core.settings import ColorRange, Settings
+from vision_core.settings import ColorRange, HomographySettings, Settings
 from vision_core.settings_models import camera_model_from, mirror_from
 
 SPACE_KEYS = {"hsv": {"hue_deg", "saturation", "value"}, "ymp": {"luma", "module", "phase_deg"}}
@@ -74,6 +74,8 @@ def _camera(settings: Settings) -> Iterator[Violation]:
     if settings.camera.model == "homography" and settings.camera.homography is None:
         yield Violation(key, "nothing", "four named points, as camera.model says homography")
         return
+    if settings.camera.homography is not None:
+        yield from _points(settings, settings.camera.homography)
     try:
         camera = camera_model_from(settings)
     except SettingsError as error:
@@ -82,6 +84,16 @@ def _camera(settings: Settings) -> Iterator[Violation]:
     height_m = camera.position_m[2]
     if not height_m > settings.robots.height_m:
         yield Violation(f"{key}.position_m", f"{height_m:g} m high", "a camera higher than the robots' markers")
+
+
+def _points(settings: Settings, homography: HomographySettings) -> Iterator[Violation]:
+    """A corner may lie a little outside of the picture; far away it is a slip of the finger."""
+    width, height = settings.camera.width_px, settings.camera.height_px
+    for point in homography.points:
+        x, y = point.pixel_px
+        if not (-width / 2 <= x <= 1.5 * width and -height / 2 <= y <= 1.5 * height):
+            found = f"{point.name!r} at ({x:g}, {y:g}) px"
+            yield Violation("camera.homography.points", found, f"points in or near the picture of {width}x{height}")
 
 
 def _mirror(settings: Settings) -> Iterator[Violation]:

@@ -21,6 +21,7 @@ from vision_core.settings import ColorRange, Settings
 from vision_core.settings_checks import check_settings
 
 Table = dict[str, Any]
+KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object": "a table", "array": "a list"}
 REPLACED = frozenset({"colors.classes"})
 
 
@@ -183,8 +184,18 @@ def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsErro
     return SettingsError(
         f"{_culprit(keys, layers)}: {'.'.join(keys)}",
         found=repr(value) if there else "",
-        accepted=text.removeprefix("Expected ").replace("`", ""),
+        accepted=_accepted(text, keys),
     )
+
+
+def _accepted(text: str, keys: list[str]) -> str:
+    """What msgspec expected, in words for people."""
+    if choices := _schema_node(keys).get("enum"):
+        return ", ".join(choices)
+    wanted = text.removeprefix("Expected ").partition(", got")[0].replace("`", "")
+    for kind, words in KINDS.items():
+        wanted = re.sub(rf"\b{kind}\b", words, wanted)
+    return wanted
 
 
 def _bad_class(merged: Table) -> str:
@@ -199,7 +210,12 @@ def _bad_class(merged: Table) -> str:
 
 def _known_keys(keys: list[str]) -> list[str]:
     """Names that the struct at a path accepts."""
-    schema, definitions = msgspec.json.schema(Settings), {}
+    return sorted(_schema_node(keys).get("properties", {}))
+
+
+def _schema_node(keys: list[str]) -> dict[str, Any]:
+    """What the JSON schema of the settings says about a path."""
+    schema = msgspec.json.schema(Settings)
     definitions = schema["$defs"]
 
     def resolved(node: Any) -> Any:
@@ -216,4 +232,4 @@ def _known_keys(keys: list[str]) -> list[str]:
             node = resolved(node["items"])
         elif "additionalProperties" in node:
             node = resolved(node["additionalProperties"])
-    return sorted(node.get("properties", {}))
+    return dict(node)

@@ -41,6 +41,7 @@ class Supervisor:
         self._wake.setblocking(False)
         self._stopping = False
         self._failed = False
+        self._complete = False
 
     def run(self) -> int:
         """Run until SIGINT or SIGTERM; returns the exit status."""
@@ -55,6 +56,7 @@ class Supervisor:
         finally:
             signal.set_wakeup_fd(wakeup)
             self._shut_down()
+            self._tell("stopped")
             for number, handler in previous.items():
                 signal.signal(number, handler)
         return 2 if self._failed else 0
@@ -68,6 +70,9 @@ class Supervisor:
             self._look_after(child, now)
             if child.state != before:
                 self._report(child)
+        if not self._complete and all(child.state in ("running", "done") for child in self.children):
+            self._complete = True
+            self._tell("ready")
         self._publish()
 
     def _wait(self) -> None:

@@ -142,3 +142,4 @@ def test_the_others_wait_for_the_job_that_runs_once() -> None:
         states = [row["job"]["state"] for row in [started.running("one")]]
         assert states == ["done"]
         assert "1 of 1: nothing" in started.news
+        assert "ready" in started.news

@@ -186,7 +186,7 @@ def test_bad_settings_are_named(tmp_path: Path) -> None:
     venue.write_text("[camera]\nrate = 30\n")
     said = refused("--venue", str(venue))
     assert f"{venue}: camera.rate; found: no setting of this name (did you mean rate_hz?)" in said
-    assert "found: 99999; accepted: int <= 65535" in refused("--port", "99999")
+    assert "found: 99999; accepted: a whole number <= 65535" in refused("--port", "99999")
     assert "TCP port 0 at" in refused("--host", "\u00e4" * 80)
     boxes = ", ".join(["{ hue_deg = [1.0, 2.0], value = [0.1, 0.2] }"] * 600)
     colors = ("orange", "yellow", "blue", "pink", "green")
