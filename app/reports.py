@@ -112,7 +112,7 @@ class Status(Report):
     lag: Lag | None
     """null while nobody is served."""
     refused: list[str]
-    """Recent requests that were refused, newest last."""
+    """Requests of the last half minute that were refused, newest last."""
     processes: list[Process]
 
 

@@ -1,6 +1,6 @@
 // The page: one connection in, everything drawn from its newest turn.
 
-import { setText } from "./drawing.js";
+import { robotLabel, setText } from "./drawing.js";
 import { drawField, robotAt } from "./field.js";
 import { connect } from "./live.js";
 import { drawPicture } from "./picture.js";
@@ -20,7 +20,8 @@ let picture = null;
 let received = 0; // when the newest turn came [s of this page's clock]
 let ahead = -Infinity; // the service's clock minus this page's [s]; a late message can only make it too small
 let linked = false;
-let chosen = null;
+let chosen = null; // {team, number}
+let unnamed = ""; // what to say about a robot that was clicked and cannot be chosen
 
 connect(onTurn, onLink);
 setInterval(showAges, 100);
@@ -29,10 +30,15 @@ setInterval(describe, DESCRIBE_EVERY_MS);
 for (const id of ["show-robots", "show-ball", "show-lines"]) $(id).addEventListener("change", draw);
 new ResizeObserver(draw).observe($("field"));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-$("field").addEventListener("click", ({ offsetX, offsetY }) => {
-  if (field && state) choose(robotAt($("field"), field, state, offsetX, offsetY));
+$("field").addEventListener("click", ({ offsetX, offsetY }) => clickField(robotUnder(offsetX, offsetY)));
+$("field").addEventListener("mousemove", ({ offsetX, offsetY }) => {
+  $("field").style.cursor = robotUnder(offsetX, offsetY) ? "pointer" : "";
+});
+addEventListener("keydown", ({ key }) => {
+  if (key === "Escape") choose(null);
 });
 
+const robotUnder = (x, y) => (field && state ? robotAt($("field"), field, state, x, y) : null);
 const seconds = () => performance.now() / 1000;
 
 function onTurn(newState, newPicture) {
@@ -66,27 +72,48 @@ async function loadField() {
     const fresh = await (await fetch("/api/v1/field")).json();
     if (JSON.stringify(fresh) === JSON.stringify(field)) return;
     field = fresh;
-    tiles = makeTiles($("views"), field, choose);
+    tiles = makeTiles($("views"), field, toggle);
     draw();
   } catch {
     // the connection went again; the next one tries again
   }
 }
 
+function clickField(robot) {
+  if (!robot) return choose(null);
+  if (robot.number) return toggle(robot);
+  unnamed = `${robotLabel(field, robot.team, robot.id)}: its number is not read, so nobody gets its view`;
+  caption();
+}
+
+function toggle(robot) {
+  choose(isChosen(robot) ? null : robot);
+}
+
 function choose(robot) {
-  const same = robot && chosen && robot.team === chosen.team && robot.number === chosen.number;
-  chosen = same ? null : robot;
-  setText($("selected"), chosen ? `What ${chosen.team} ${chosen.number} sees, as exactly as its mirror tells` : "Choose a robot to see what it sees.");
+  chosen = robot;
+  unnamed = "";
+  if (chosen) tiles.find(isChosen).tile.scrollIntoView({ block: "nearest" });
   draw();
+}
+
+/** What the field shows just now. */
+function caption() {
+  const name = chosen && `${chosen.team} ${chosen.number}`;
+  const told = !chosen ? "Choose a robot to see what it sees."
+    : viewOf(chosen) ? `What ${name} sees; far edges are as coarse as one pixel of its mirror` : `${name} is not seen`;
+  setText($("selected"), unnamed || told);
+  $("selected").classList.toggle("missed", !unnamed && chosen !== null && !viewOf(chosen));
 }
 
 function draw() {
   if (!field || !state) return;
   const camera = state.status.cameras[0];
   const show = { robots: $("show-robots").checked, ball: $("show-ball").checked, lines: $("show-lines").checked };
-  if (picture) drawPicture($("picture"), picture.bitmap, field, camera, state, show);
+  if (picture) drawPicture($("picture"), picture.bitmap, field, camera, state, show, chosen);
   drawField($("field"), field, state, chosen);
   for (const entry of tiles) drawTile(entry, field, viewOf(entry), clientOf(entry), isChosen(entry));
+  caption();
 }
 
 const viewOf = ({ team, number }) =>
@@ -97,7 +124,7 @@ const isChosen = ({ team, number }) => chosen !== null && chosen.team === team &
 
 function showTables() {
   if (!state) return;
-  showStatus(state.status, state.pages);
+  showStatus(state.status, state.pages, (client) => viewOf(client) !== undefined);
   if (linked) showVerdict(state.status.ready ? "ready" : "not-ready", state.status.ready ? "ready" : "not ready", state.status.reasons);
   setText($("picture-empty"), state.status.reasons[0] ?? "no image yet");
   $("picture-empty").hidden = picture !== null;

@@ -1,7 +1,7 @@
 // The API's documentation, drawn from openapi.json: no asset from elsewhere, since venues have no internet.
 
 const api = await (await fetch("/openapi.json")).json();
-document.getElementById("about").textContent = api.info.description;
+document.getElementById("about").append(...prose(api.info.description));
 for (const [path, methods] of Object.entries(api.paths)) {
   for (const [method, operation] of Object.entries(methods)) {
     document.getElementById("operations").append(operationOf(path, method, operation));
@@ -19,8 +19,17 @@ function element(tag, look, ...children) {
   return made;
 }
 
+/** Text in which what stands in `x` or ``x`` is code. */
+function prose(text) {
+  return text.split(/(``?)(.+?)\1/).reduce((parts, piece, index) => {
+    if (index % 3 === 0) parts.push(piece);
+    if (index % 3 === 2) parts.push(element("code", "", piece));
+    return parts;
+  }, []);
+}
+
 function operationOf(path, method, operation) {
-  const body = element("div", "", element("p", "", operation.description ?? ""));
+  const body = element("div", "", element("p", "", ...prose(operation.description ?? "")));
   const rows = Object.entries(operation.responses).map(([status, response]) => {
     const kinds = Object.entries(response.content ?? {}).map(([media, content]) => `${media} ${typeOf(content.schema ?? {})}`);
     return row(status, kinds.join(", "), response.description);
@@ -28,7 +37,7 @@ function operationOf(path, method, operation) {
   body.append(table(["status", "content", "meaning"], rows));
   if (method === "get") body.append(...trial(path));
   const summary = element("summary", "", element("code", "method", method.toUpperCase()), element("code", "", path));
-  summary.append(element("span", "", (operation.description ?? "").split(/(?<=[.?!])\s/)[0]));
+  summary.append(element("span", "", ...prose((operation.description ?? "").split(/(?<=[.?!])\s/)[0])));
   return element("details", "", summary, body);
 }
 
@@ -53,7 +62,7 @@ function trial(path) {
 }
 
 function modelOf(name, schema) {
-  const summary = element("summary", "", element("code", "", name), element("span", "", (schema.description ?? "").split("\n")[0]));
+  const summary = element("summary", "", element("code", "", name), element("span", "", ...prose((schema.description ?? "").split("\n")[0])));
   const rows = Object.entries(schema.properties ?? {}).map(([key, value]) => row(key, typeOf(value), value.description ?? ""));
   const body = schema.enum ? element("p", "", schema.enum.join(", ")) : table(["field", "type", "meaning"], rows);
   return element("details", "", summary, element("div", "", body));
@@ -67,7 +76,7 @@ function typeOf(schema) {
 }
 
 function row(...cells) {
-  return element("tr", "", ...cells.map((cell) => element("td", "", cell)));
+  return element("tr", "", ...cells.map((cell) => element("td", "", ...prose(cell))));
 }
 
 function table(titles, rows) {

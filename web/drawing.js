@@ -32,6 +32,14 @@ export function outlinedText(pen, text, x, y, fill, edge = "#000000b0") {
   pen.fillText(text, x, y);
 }
 
+/** The first of some boxes [x, y, width, height] that covers none that is taken; it is taken then. */
+export function freeBox(taken, boxes) {
+  const covers = ([x, y, w, h], [a, b, c, d]) => x < a + c && a < x + w && y < b + d && b < y + h;
+  const free = boxes.find((box) => !taken.some((other) => covers(box, other)));
+  if (free) taken.push(free);
+  return free;
+}
+
 /** B3 for a robot that wears the marker of blue 3; B#7 for a marker of no number, B? for none. */
 export function robotLabel(field, team, id) {
   const letter = team === "blue" ? "B" : "Y";

@@ -7,6 +7,9 @@ const FRONT_RAD = 0.9; // half the angle of an SSL robot's flat front
 const RAY_EVERY_DEG = 10;
 const SMALLEST_LABELLED_PX = 11;
 const NO_EDGE = 255;
+const EVENED_DEG = 10;
+const HEADING_KNOWN_RAD = 1; // a standard deviation above it is that of a heading never read
+const THINNEST_BAND_PX = 2.5;
 
 /** Where the world is on a canvas: {x, y, scale, toCanvas}. */
 function mapping(field, width, height) {
@@ -25,70 +28,89 @@ export function drawField(canvas, field, state, chosen) {
   const view = chosen && state.views?.valid
     ? state.views.value.views.find((v) => v.team === chosen.team && v.number === chosen.number) : null;
   const own = chosen && world?.robots.find((r) => r.team === chosen.team && r.id === field.marker_ids[chosen.team][chosen.number - 1]);
-  const seen = view && own ? seenPoints(field, view, own) : null;
+  const seen = view && own ? seenBand(field, view, own, THINNEST_BAND_PX / map.scale) : null;
   if (seen) drawSeenArea(pen, map, seen, own);
   drawPaint(pen, map, field);
   drawSegments(pen, map, field);
-  if (seen) drawSeenEdges(pen, map, field, seen, own);
+  if (seen) drawSeenEdges(pen, map, field, seen);
   for (const robot of world?.robots ?? []) drawRobot(pen, map, field, robot, robot === own, world.at);
   if (world?.ball) drawBall(pen, map, field, world.ball);
 }
 
-/** The robot's name under a point of the canvas, or null. */
+/** The robot under a point of the canvas: {team, id, number}, number 0 for one without; or null. */
 export function robotAt(canvas, field, state, x, y) {
   const map = mapping(field, canvas.clientWidth, canvas.clientHeight);
   const reach = Math.max(field.robot_radius_m * map.scale, 14);
   for (const robot of state.world?.value.robots ?? []) {
     const [rx, ry] = map.at(robot.x_m, robot.y_m);
     const number = field.marker_ids[robot.team].indexOf(robot.id) + 1;
-    if (number && Math.hypot(x - rx, y - ry) <= reach) return { team: robot.team, number };
+    if (Math.hypot(x - rx, y - ry) <= reach) return { team: robot.team, id: robot.id, number };
   }
   return null;
 }
 
-/** Edges of a view on the floor: the middle of what one pixel of the mirror spans. */
-function seenPoints(field, view, own) {
-  const px = bytesFrom(view.px);
-  const far = 2 * Math.hypot(field.length_m, field.width_m);
-  const codes = bytesFrom(view.kinds);
-  const points = Array.from(px, (value, direction) => {
-    const near = field.mirror_m[value];
-    const beyond = field.mirror_m[value + 1];
-    const reach = value === NO_EDGE || near === null ? far : (near + (beyond ?? near)) / 2;
+/**
+ * A view on the floor: per direction the near and the far end of what the edge's pixel of the mirror spans.
+ * Whole pixels make steps; along one edge they are evened out.
+ */
+function seenBand(field, view, own, thinnest_m) {
+  const horizon = 2 * Math.hypot(field.length_m, field.width_m);
+  const reachOf = (px) => (px >= NO_EDGE ? horizon : field.mirror_m[px] ?? horizon);
+  const on = (reach, direction) => {
     const angle = own.heading_rad + (direction * Math.PI) / 180;
     return [own.x_m + reach * Math.cos(angle), own.y_m + reach * Math.sin(angle)];
-  });
-  return { points, codes };
+  };
+  const px = Array.from(bytesFrom(view.px));
+  const runs = runsOf(bytesFrom(view.kinds));
+  const near = evened(px.map(reachOf), runs);
+  const far = evened(px.map((value) => reachOf(value + 1)), runs);
+  return { near: near.map(on), far: far.map((reach, direction) => on(Math.max(reach, near[direction] + thinnest_m), direction)), runs };
+}
+
+/** Mean over the neighboring directions of the same run. */
+function evened(reaches, runs) {
+  const even = [...reaches];
+  for (const { start, length } of runs) {
+    for (let step = 0; step < length; step += 1) {
+      const half = length === reaches.length ? EVENED_DEG : Math.min(EVENED_DEG, step, length - 1 - step);
+      let sum = 0;
+      for (let offset = -half; offset <= half; offset += 1) sum += reaches[(start + step + offset + reaches.length) % reaches.length];
+      even[(start + step) % reaches.length] = sum / (2 * half + 1);
+    }
+  }
+  return even;
 }
 
 function drawSeenArea(pen, map, seen, own) {
   pen.beginPath();
-  for (const [x, y] of seen.points) pen.lineTo(...map.at(x, y));
+  for (const [x, y] of seen.near) pen.lineTo(...map.at(x, y));
   pen.closePath();
   pen.fillStyle = "#ffffff2e";
   pen.fill();
   pen.strokeStyle = "#ffffff40";
   pen.lineWidth = 1;
   pen.beginPath();
-  for (let direction = 0; direction < seen.points.length; direction += RAY_EVERY_DEG) {
+  for (let direction = 0; direction < seen.near.length; direction += RAY_EVERY_DEG) {
     pen.moveTo(...map.at(own.x_m, own.y_m));
-    pen.lineTo(...map.at(...seen.points[direction]));
+    pen.lineTo(...map.at(...seen.near[direction]));
   }
   pen.stroke();
 }
 
 function drawSeenEdges(pen, map, field, seen) {
-  pen.lineCap = "round";
-  for (const { code, start, length } of runsOf(seen.codes)) {
+  const count = seen.near.length;
+  for (const { code, start, length } of seen.runs) {
     if (code === field.kinds.nothing) continue;
     const look = edgeLook(field.kinds, code);
-    pen.strokeStyle = code === field.kinds.wall ? "#ffffff" : look.color;
-    pen.lineWidth = look.width;
     pen.beginPath();
-    for (let step = 0; step < length; step += 1) pen.lineTo(...map.at(...seen.points[(start + step) % seen.points.length]));
-    pen.stroke();
+    for (let step = 0; step < length; step += 1) pen.lineTo(...map.at(...seen.near[(start + step) % count]));
+    for (let step = length - 1; step >= 0; step -= 1) pen.lineTo(...map.at(...seen.far[(start + step) % count]));
+    pen.closePath();
+    pen.globalAlpha = code === field.kinds.wall ? 0.22 : 0.6;
+    pen.fillStyle = code === field.kinds.wall ? "#ffffff" : look.color;
+    pen.fill();
   }
-  pen.lineCap = "butt";
+  pen.globalAlpha = 1;
 }
 
 function drawPaint(pen, map, field) {
@@ -128,7 +150,8 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
   const blue = robot.team === "blue";
   const predicted = robot.seen < at;
   pen.beginPath();
-  pen.arc(x, y, radius, front + FRONT_RAD, front - FRONT_RAD);
+  if (robot.heading_sd_rad < HEADING_KNOWN_RAD) pen.arc(x, y, radius, front + FRONT_RAD, front - FRONT_RAD);
+  else pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.closePath();
   pen.globalAlpha = predicted ? 0.6 : 1;
   pen.fillStyle = blue ? "#2f6fe4" : "#ffd23f";
@@ -140,7 +163,7 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
   pen.stroke();
   pen.setLineDash([]);
   pen.textAlign = "center";
-  const label = robotLabel(field, robot.team, robot.id);
+  const label = robot.id === null ? "?" : robotLabel(field, robot.team, robot.id);
   if (radius >= SMALLEST_LABELLED_PX) {
     pen.font = "700 11px system-ui, sans-serif";
     pen.fillStyle = blue ? "#ffffff" : "#2a2000";

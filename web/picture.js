@@ -1,12 +1,12 @@
 // The camera's picture with what was seen in it.
 
-import { cleared, color, outlinedText, robotLabel } from "./drawing.js";
+import { cleared, color, freeBox, outlinedText, robotLabel } from "./drawing.js";
 
 const BALL_RING_PX = 9;
+const LABEL_HIGH_PX = 13;
 
-/** Draw a picture and its overlay; show says which parts: {robots, ball, lines}. */
-export function drawPicture(canvas, bitmap, field, camera, state, show) {
-  canvas.style.aspectRatio = `${camera.width_px} / ${camera.height_px}`;
+/** Draw a picture and its overlay; show says which parts: {robots, ball, lines}; chosen is {team, number} or null. */
+export function drawPicture(canvas, bitmap, field, camera, state, show, chosen) {
   const { pen, width, height } = cleared(canvas);
   const scale = Math.min(width / camera.width_px, height / camera.height_px);
   pen.translate((width - camera.width_px * scale) / 2, (height - camera.height_px * scale) / 2);
@@ -16,8 +16,11 @@ export function drawPicture(canvas, bitmap, field, camera, state, show) {
   if (show.lines) drawLines(pen, field.painted_px, scale);
   const sightings = state.sightings?.valid ? state.sightings.value : null;
   if (!sightings) return;
-  if (show.robots) sightings.robots.forEach((robot, index) => drawRobot(pen, field, robot, state.outlines_px[index], scale));
-  if (show.ball) sightings.balls.forEach((ball, index) => drawBall(pen, ball, index, scale));
+  const isChosen = (robot) => chosen !== null && robot.team === chosen.team && robot.id === field.marker_ids[chosen.team][chosen.number - 1];
+  const labels = [];
+  if (show.robots) sightings.robots.forEach((robot, index) => labels.push(drawRobot(pen, field, robot, state.outlines_px[index], scale, isChosen(robot))));
+  if (show.ball) sightings.balls.forEach((ball, index) => labels.push(drawBall(pen, ball, index, scale)));
+  writeLabels(pen, labels, camera.width_px * scale, camera.height_px * scale);
 }
 
 function drawLines(pen, lines, scale) {
@@ -28,10 +31,11 @@ function drawLines(pen, lines, scale) {
   pen.stroke();
 }
 
-function drawRobot(pen, field, robot, outline, scale) {
+/** Draw a robot; returns its label. */
+function drawRobot(pen, field, robot, outline, scale, isChosen) {
   const body = robot.team === "blue" ? "#6cacff" : color("yellow-body");
   pen.strokeStyle = body;
-  pen.lineWidth = 2;
+  pen.lineWidth = isChosen ? 3 : 2;
   pen.setLineDash(robot.id === null ? [4, 3] : []);
   pen.beginPath();
   outline.forEach(([x, y]) => pen.lineTo(x * scale, y * scale));
@@ -42,11 +46,18 @@ function drawRobot(pen, field, robot, outline, scale) {
   }
   pen.stroke();
   pen.setLineDash([]);
-  const top = Math.min(...outline.map(([, y]) => y)) * scale;
-  const label = `${robotLabel(field, robot.team, robot.id)} ${Math.round(robot.confidence * 100)}%`;
-  outlinedText(pen, label, robot.x_px * scale, top - 4, body);
+  const name = robotLabel(field, robot.team, robot.id);
+  return {
+    text: isChosen ? `${name}, confidence ${Math.round(robot.confidence * 100)}%` : name,
+    x: robot.x_px * scale,
+    y: robot.y_px * scale,
+    reach: Math.max(...outline.map(([x, y]) => Math.hypot(x - robot.x_px, y - robot.y_px))) * scale,
+    fill: body,
+    rank: isChosen ? 0 : robot.id === null ? 3 : 2,
+  };
 }
 
+/** Draw a ball; returns its label. */
 function drawBall(pen, ball, index, scale) {
   const [x, y] = [ball.x_px * scale, ball.y_px * scale];
   pen.strokeStyle = index ? "#ffffff90" : color("ball"); // the best one first, the others are candidates
@@ -54,6 +65,19 @@ function drawBall(pen, ball, index, scale) {
   pen.beginPath();
   pen.arc(x, y, BALL_RING_PX, 0, 2 * Math.PI);
   pen.stroke();
-  const label = index ? `${Math.round(ball.confidence * 100)}%` : `ball ${Math.round(ball.confidence * 100)}%`;
-  outlinedText(pen, label, x, y - BALL_RING_PX - 4, index ? "#ffffff" : "#ffb48a");
+  return { text: index ? "ball?" : "ball", x, y, reach: BALL_RING_PX, fill: index ? "#ffffff" : "#ffb48a", rank: index ? 4 : 1 };
+}
+
+/** Each label above its thing, else below, right or left of it; the least important is left out where none is free. */
+function writeLabels(pen, labels, width, height) {
+  const taken = [];
+  for (const { text, x, y, reach, fill } of labels.sort((one, other) => one.rank - other.rank)) {
+    const wide = pen.measureText(text).width + 4;
+    const high = LABEL_HIGH_PX;
+    const [left, top] = [x - wide / 2, y - high / 2];
+    const places = [[left, y - reach - high], [left, y + reach], [x + reach, top], [x - reach - wide, top]];
+    const inside = places.filter(([a, b]) => a >= 0 && b >= 0 && a + wide <= width && b + high <= height);
+    const box = freeBox(taken, inside.map((place) => [...place, wide, high]));
+    if (box) outlinedText(pen, text, box[0] + wide / 2, box[1] + high - 3, fill);
+  }
 }

@@ -1,13 +1,15 @@
 // One tile per robot: its view as its client gets it, heading up, anticlockwise to the left.
 // The radius is in pixels of the mirror (equation 1), so near things take more room than far ones.
 
-import { bytesFrom, cleared, color, edgeLook, runsOf, setText } from "./drawing.js";
+import { bytesFrom, cleared, color, edgeLook, freeBox, runsOf, setText } from "./drawing.js";
 
 const RINGS_M = [0.25, 0.5, 1, 2, 4, 8];
 const LEAST_RING_GAP_PX = 7;
 const LEAST_LABELLED_DEG = 4;
 const LABEL_INSET_PX = 9;
-const LABEL_ROOM_PX = 13;
+const LABEL_PX = [13, 10]; // width and height
+const ARROW_PX = 20;
+const FLAGS = { partial: "The ball is partly hidden", overlap: "Another robot's outline holds this one's center" };
 const NO_EDGE = 255;
 const DEG = Math.PI / 180;
 
@@ -40,12 +42,16 @@ export function makeTiles(parent, field, onChoose) {
 /** Draw one tile; view and client are undefined when there is none. */
 export function drawTile(entry, field, view, client, isChosen) {
   entry.tile.setAttribute("aria-pressed", String(isChosen));
-  setText(entry.client, client ? `${client.rate_hz.toFixed(1)}/s${client.dropped ? ` −${client.dropped}` : ""}` : "no client");
+  const rate = client && (client.rate_hz || view) ? `${client.rate_hz.toFixed(1)}/s` : "";
+  setText(entry.client, client ? `${rate}${client.dropped ? ` −${client.dropped}` : ""}` : "no client");
   entry.client.classList.toggle("served", Boolean(client?.rate_hz));
   entry.client.title = client ? `${client.dropped} dropped` : "";
   entry.empty.hidden = Boolean(view);
-  setText(entry.ball, !view ? "" : view.ball_px < 0 ? "no\nball" : `${view.ball_px} px\n${view.ball_direction_deg}°`);
-  setText(entry.flags, [view?.partial && "partial", view?.overlap && "overlap"].filter(Boolean).join(", "));
+  entry.empty.classList.toggle("missed", Boolean(client));
+  setText(entry.ball, !view ? "" : view.ball_px < 0 ? "no ball" : `ball ${view.ball_px} px, ${view.ball_direction_deg}°`);
+  const flags = view ? Object.keys(FLAGS).filter((flag) => view[flag]) : [];
+  setText(entry.flags, flags.join(", "));
+  entry.flags.title = flags.map((flag) => FLAGS[flag]).join("; ");
   const { pen, width, height } = cleared(entry.canvas);
   if (view) drawDial(pen, width, height, field, view);
 }
@@ -119,9 +125,10 @@ function drawRun(pen, field, run, count, place, radius) {
   pen.stroke();
 }
 
-/** Names beside the edges, the widest first; one that would cover another is left out. */
+/** Names beside the edges, the widest first; one that would cover another or the arrow is left out. */
 function drawLabels(pen, field, runs, count, place, radius) {
-  const written = [];
+  const [wide, high] = LABEL_PX;
+  const taken = [[-ARROW_PX / 2, -ARROW_PX / 2, ARROW_PX, ARROW_PX]];
   pen.font = "700 9px system-ui, sans-serif";
   pen.textAlign = "center";
   pen.textBaseline = "middle";
@@ -130,8 +137,7 @@ function drawLabels(pen, field, runs, count, place, radius) {
     if (!look.label || run.length < LEAST_LABELLED_DEG) continue;
     const middle = run.start + run.length / 2;
     const [x, y] = place(middle, radius(Math.floor(middle) % count) - LABEL_INSET_PX);
-    if (written.some(([a, b]) => Math.hypot(a - x, b - y) < LABEL_ROOM_PX)) continue;
-    written.push([x, y]);
+    if (!freeBox(taken, [[x - wide / 2, y - high / 2, wide, high]])) continue;
     pen.fillStyle = look.color;
     pen.fillText(look.label, x, y);
   }

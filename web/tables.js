@@ -6,11 +6,11 @@ const $ = (id) => document.getElementById(id);
 const GOOD_STATES = new Set(["running", "done"]);
 const BAD_STATES = new Set(["disabled", "restarting"]);
 
-/** Show a status (as of /api/v1/status). */
-export function showStatus(status, pages) {
+/** Show a status (as of /api/v1/status); isSeen(client) tells whether a client's robot is. */
+export function showStatus(status, pages, isSeen) {
   const camera = status.cameras[0];
-  setText($("source"), status.source ? `${status.source.repeats ? "↻ repeats: " : ""}${status.source.uri}` : "none");
-  $("source").title = status.source ? status.source.description : "";
+  setText($("source"), status.source ? `${status.source.repeats ? "↻ repeats: " : ""}${shortName(status.source.uri)}` : "none");
+  $("source").title = status.source ? `${status.source.uri}\n${status.source.description}` : "";
   setText($("camera-rate"), camera.measured_rate_hz === null ? "–" : `${camera.measured_rate_hz.toFixed(1)} Hz`);
   setText($("lag"), status.lag ? `${status.lag.median_ms.toFixed(1)}, ${status.lag.max_ms.toFixed(1)} ms` : "–");
   setText($("robot-count"), `${camera.robots}${camera.balls ? " + ball" : ""}`);
@@ -20,7 +20,7 @@ export function showStatus(status, pages) {
   $("detection").hidden = camera.reasons.length === 0;
   setText($("refused"), status.refused.length ? `refused: ${status.refused.at(-1)}` : "");
   $("refused").title = status.refused.join("\n");
-  showClients(status);
+  showClients(status, isSeen);
   showProcesses(status.processes);
 }
 
@@ -42,7 +42,12 @@ function duration(seconds) {
   return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
-function showClients(status) {
+/** Of a file or folder its own name only. */
+function shortName(uri) {
+  return uri.startsWith("file:") ? uri.replace(/\/+$/, "").split(/[:/]/).at(-1) : uri;
+}
+
+function showClients(status, isSeen) {
   $("no-clients").hidden = status.clients.length > 0;
   setText($("udp"), status.udp);
   const port = /:(\d+)(?:,|$)/.exec(status.udp)?.[1];
@@ -50,10 +55,10 @@ function showClients(status) {
   const rows = status.clients.map((client) => [
     [`${client.team} ${client.number}`, client.team],
     [`${client.address}:${client.port}`, ""],
-    [client.rate_hz.toFixed(1), "number"],
+    isSeen(client) ? [client.rate_hz.toFixed(1), "number"] : ["⚠ not seen", "number wait"],
     [String(client.sent), "number"],
     [String(client.dropped), client.dropped ? "number bad" : "number"],
-    [client.mean_rank.toFixed(2), "number"],
+    [client.sent ? client.mean_rank.toFixed(2) : "–", "number"],
   ]);
   fill($("clients"), rows);
 }

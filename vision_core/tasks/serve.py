@@ -11,7 +11,7 @@ import select
 import statistics
 from collections import deque
 
-from vision_core.clock import MonotonicClock, seconds_between
+from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.field_model import diagonal_m
 from vision_core.net.server import FrameReport, UdpServer
 from vision_core.net.udp import adopted
@@ -30,6 +30,7 @@ PUBLISH_EVERY_S = 0.5
 LAGS_KEPT = 300
 """Frames: ten seconds at 30 Hz."""
 REFUSALS_KEPT = 20
+REFUSAL_TOLD_S = 30.0
 LONGEST_WAIT_S = 0.25
 MS_PER_S = 1e3
 
@@ -62,7 +63,7 @@ class Server:
         order = random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
         self._udp = UdpServer(main, session, self._restored(settings), self._clock, order)
         self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
-        self._refused: deque[str] = deque(maxlen=REFUSALS_KEPT)
+        self._refused: deque[tuple[Instant, str]] = deque(maxlen=REFUSALS_KEPT)
         self._sent: dict[tuple[str, int], int] = {}
         self._published = self._clock.now()
         self._newest = self._sightings.sequence
@@ -126,7 +127,7 @@ class Server:
             clients=self._clients(elapsed_s),
             lag_median_ms=statistics.median(lags) * MS_PER_S,
             lag_max_ms=lags[-1] * MS_PER_S,
-            refused=tuple(self._refused),
+            refused=tuple(text for at, text in self._refused if seconds_between(at, now) <= REFUSAL_TOLD_S),
         )
         self._serving.write(serving, now, now)
         self._published = now
@@ -156,7 +157,8 @@ class Server:
     def _note(self, events: list[Event] | tuple[Event, ...]) -> None:
         for event in events:
             if isinstance(event, Refused):
-                self._refused.append(f"{event.peer.host} port {event.peer.port}: {event.error.value}")
+                text = f"{event.peer.host} port {event.peer.port}: {event.error.value}"
+                self._refused.append((self._clock.now(), text))
         if events:
             self._keep_sessions()
 
