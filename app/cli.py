@@ -115,7 +115,9 @@ def detect(
     venue: Venue = None,
     config: ConfigFile = None,
     as_json: Annotated[bool, typer.Option("--json", help="One line of JSON per picture.")] = False,
-    draw: Annotated[Path | None, typer.Option(help="Folder for overlays.")] = None,
+    draw: Annotated[
+        Path | None, typer.Option(help="Folder for overlays: what was found, and the color class of every pixel.")
+    ] = None,
 ) -> None:
     """Find robots and balls in pictures."""
     from vision_core.settings_files import load_settings

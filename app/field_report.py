@@ -7,13 +7,13 @@ import numpy as np
 
 from app.reports import Report
 from vision_core.camera_model import CameraModel
-from vision_core.field_model import Line, field_lines, field_segments
+from vision_core.field_model import field_lines, field_segments, painted_points
 from vision_core.geometry import Floats
 from vision_core.mirror_model import LARGEST_PX
 from vision_core.rtdb.records import ServiceInfo
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from, mirror_from
-from vision_core.types.field import Arc, EdgeKind
+from vision_core.types.field import EdgeKind
 from vision_core.types.objects import RobotSighting
 
 MM_PER_M = 1000.0
@@ -99,7 +99,7 @@ def field_from(service: ServiceInfo) -> Field:
         marker_ids={"blue": list(settings.match.blue_ids), "yellow": list(settings.match.yellow_ids)},
         kinds={kind.name.lower(): int(kind) for kind in EdgeKind},
         mirror_m=_mirror_table(settings),
-        painted_px=[_visible(_in_picture(camera, points)) for points in _painted(lines, arcs)],
+        painted_px=[_visible(_in_picture(camera, points)) for points in painted_points(field, STEPS + 1)],
     )
 
 
@@ -132,13 +132,6 @@ def _in_picture(camera: CameraModel, points_m: Floats, height_m: float = 0.0) ->
 
 def _visible(points_px: Points) -> Points:
     return [(x, y) for x, y in points_px if math.isfinite(x)]
-
-
-def _painted(lines: Sequence[Line], arcs: Sequence[Arc]) -> list[Floats]:
-    """Points along everything that is painted [m]."""
-    along = [np.linspace(line[:2], line[2:], STEPS + 1) for line in lines]
-    around = [_circle(a.x_m, a.y_m, a.radius_m, np.linspace(a.start_rad, a.end_rad, 2 * STEPS)) for a in arcs]
-    return [*along, *around]
 
 
 def _mirror_table(settings: Settings) -> list[float | None]:

@@ -5,6 +5,9 @@ Field space, see ``geometry``. Left is the goal at negative x.
 
 import math
 
+import numpy as np
+
+from vision_core.geometry import Floats
 from vision_core.settings import FieldSettings
 from vision_core.types.field import Arc, EdgeKind, Segment
 
@@ -73,6 +76,18 @@ def field_lines(field: FieldSettings) -> tuple[tuple[Line, ...], tuple[Arc, ...]
     radius = field.center_circle_radius_m
     arcs = (Arc(0.0, 0.0, radius, 0.0, math.tau),) if radius else ()
     return tuple(lines), arcs
+
+
+def painted_points(field: FieldSettings, per_line: int) -> list[Floats]:
+    """Points along everything that is painted: per line an array of shape (per_line, 2) [m], per arc twice as many."""
+    lines, arcs = field_lines(field)
+    along = [np.linspace(line[:2], line[2:], per_line) for line in lines]
+    return [*along, *(_points_on(arc, 2 * per_line) for arc in arcs)]
+
+
+def _points_on(arc: Arc, count: int) -> Floats:
+    angles = np.linspace(arc.start_rad, arc.end_rad, count)
+    return np.column_stack([arc.x_m + arc.radius_m * np.cos(angles), arc.y_m + arc.radius_m * np.sin(angles)])
 
 
 def _goal(field: FieldSettings, side: float, kind: EdgeKind) -> tuple[Segment, ...]:

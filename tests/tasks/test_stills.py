@@ -96,6 +96,14 @@ def test_overlays_mark_robot_and_ball_on_a_copy(settings: Settings, still: Path,
     assert still.read_bytes() == before
 
 
+def test_the_class_picture_shows_what_segmentation_makes_of_it(settings: Settings, still: Path, tmp_path: Path) -> None:
+    list(detect_files([still], settings, tmp_path))
+    drawn = read_picture(tmp_path / "one-classes.png").astype(int)
+    colored = np.ptp(drawn, axis=2) > 30
+    assert colored[50, 60], "the center dot"
+    assert 0.002 < colored.mean() < 0.1, "carpet and body have no class"
+
+
 def test_a_folder_that_cannot_be_made_is_an_error(settings: Settings, still: Path) -> None:
     with pytest.raises(SourceError, match="for overlays"):
         list(detect_files([still], settings, still / "below"))

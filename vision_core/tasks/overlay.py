@@ -1,28 +1,51 @@
 """Draws into pictures what was seen in them."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
 from vision_core.camera_model import CameraModel
+from vision_core.field_model import painted_points
 from vision_core.geometry import Bytes
 from vision_core.opencv import Color, draw_circle, draw_line, draw_text
 from vision_core.settings import Settings
+from vision_core.types.colors import ColorTable
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 
 TEAM_COLORS: dict[Team, Color] = {Team.BLUE: (255, 160, 40), Team.YELLOW: (40, 230, 255)}
 BALL_COLOR: Color = (0, 140, 255)
+PAINT_COLOR: Color = (255, 80, 255)
+POINTS_PER_LINE = 40
+"""A lens bends lines."""
 DARK: Color = (0, 0, 0)
+BACKGROUND = 0.4
 
 
 def draw_sightings(pixels: Bytes, seen: Sightings, camera: CameraModel, settings: Settings) -> Bytes:
-    """A copy of a picture with every robot's outline, heading, team and id, and every ball."""
+    """A copy of a picture with every robot's outline, heading, team and id, every ball, and the field's lines.
+
+    Lines beside the painted ones tell that the camera or the field's measures are wrong.
+    """
     canvas = pixels.copy()
+    for points in painted_points(settings.field, POINTS_PER_LINE):
+        seen_px = camera.pixel_from_field(points).tolist()
+        for start, end in pairwise(seen_px):
+            if all(map(math.isfinite, (*start, *end))):
+                draw_line(canvas, start, end, PAINT_COLOR)
     for robot in seen.robots:
         _draw_robot(canvas, robot, camera, settings)
     for ball in seen.balls:
         _draw_ball(canvas, ball, camera, settings)
     return canvas
+
+
+def draw_classes(pixels: Bytes, table: ColorTable) -> Bytes:
+    """What segmentation makes of a picture: every class in its typical color, the rest dark and grey."""
+    classes = table.classes_of(pixels)
+    grey = (pixels.mean(axis=2) * BACKGROUND).astype(np.uint8)
+    drawn: Bytes = np.where(classes[..., None] > 0, table.mean_bgr[classes], grey[..., None])
+    return drawn
 
 
 def _draw_robot(canvas: Bytes, robot: RobotSighting, camera: CameraModel, settings: Settings) -> None:

@@ -10,7 +10,7 @@ from vision_core.errors import PslvError, SourceError
 from vision_core.opencv import read_picture, write_picture
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from
-from vision_core.tasks.overlay import draw_sightings
+from vision_core.tasks.overlay import draw_classes, draw_sightings
 from vision_core.tasks.perception import Perception
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Sightings
@@ -20,7 +20,8 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
     """For every picture one table that JSON can hold: ``{"file", "robots", "balls", "reasons"}``.
 
     A picture that cannot be read or has not the camera's size gives ``{"file", "error"}``, and the rest
-    go on. draw: folder for overlays, PNG under the picture's own name, made when it is not there.
+    go on. draw: folder for overlays, made when it is not there: NAME.png shows what was
+    found and where the field's lines are thought, NAME-classes.png the color class of every pixel.
     Raises SettingsError when the settings name no usable pattern, SourceError when the folder cannot be made.
     """
     perception = Perception(settings)
@@ -46,6 +47,7 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
     if draw is not None:
         overlay = draw_sightings(pixels, seen, camera_model_from(settings), settings)
         write_picture(draw / f"{file.stem}.png", overlay)
+        write_picture(draw / f"{file.stem}-classes.png", draw_classes(pixels, perception.table))
     return {"file": str(file), **_as_table(seen)}
 
 
