@@ -6,13 +6,11 @@ const PADDING_M = 0.06;
 const FRONT_RAD = 0.9; // half the angle of an SSL robot's flat front
 const RAY_EVERY_DEG = 10;
 const SMALLEST_LABELLED_PX = 11;
-const NO_EDGE = 255;
-const EVENED_DEG = 10;
 const HEADING_KNOWN_RAD = 1; // a standard deviation above it is that of a heading never read
 const THINNEST_BAND_PX = 2.5;
 
-/** Where the world is on a canvas: {x, y, scale, toCanvas}. */
-function mapping(field, width, height) {
+/** Where the world is on a canvas: {scale, at(x, y)}. */
+export function mapping(field, width, height) {
   const ends = field.segments.flatMap((s) => [[s.x1_m, s.y1_m], [s.x2_m, s.y2_m]]);
   const halfX = Math.max(field.length_m / 2, ...ends.map(([x]) => Math.abs(x))) + PADDING_M;
   const halfY = Math.max(field.width_m / 2, ...ends.map(([, y]) => Math.abs(y))) + PADDING_M;
@@ -49,33 +47,32 @@ export function robotAt(canvas, field, state, x, y) {
   return null;
 }
 
-/**
- * A view on the floor: per direction the near and the far end of what the edge's pixel of the mirror spans.
- * Whole pixels make steps; along one edge they are evened out.
- */
+/** A view on the floor: per direction the near and the far end of what the edge's pixel of the mirror spans. */
 function seenBand(field, view, own, thinnest_m) {
   const horizon = 2 * Math.hypot(field.length_m, field.width_m);
-  const reachOf = (px) => (px >= NO_EDGE ? horizon : field.mirror_m[px] ?? horizon);
+  const metres = (px) => field.mirror_m[px] ?? horizon;
+  const reachOf = (px) => metres(Math.floor(px)) + (px % 1) * (metres(Math.floor(px) + 1) - metres(Math.floor(px)));
   const on = (reach, direction) => {
     const angle = own.heading_rad + (direction * Math.PI) / 180;
     return [own.x_m + reach * Math.cos(angle), own.y_m + reach * Math.sin(angle)];
   };
-  const px = Array.from(bytesFrom(view.px));
   const runs = runsOf(bytesFrom(view.kinds));
-  const near = evened(px.map(reachOf), runs);
-  const far = evened(px.map((value) => reachOf(value + 1)), runs);
-  return { near: near.map(on), far: far.map((reach, direction) => on(Math.max(reach, near[direction] + thinnest_m), direction)), runs };
+  const middles = evened(bytesFrom(view.px), runs);
+  const near = middles.map((px) => reachOf(px - 0.5));
+  const far = middles.map((px, direction) => Math.max(reachOf(px + 0.5), near[direction] + thinnest_m));
+  return { near: near.map(on), far: far.map(on), runs };
 }
 
-/** Mean over the neighboring directions of the same run. */
-function evened(reaches, runs) {
-  const even = [...reaches];
+/** Pixels without their steps: where an edge passes from one pixel to the next, its distance is known exactly. */
+function evened(px, runs) {
+  const even = new Array(px.length);
   for (const { start, length } of runs) {
-    for (let step = 0; step < length; step += 1) {
-      const half = length === reaches.length ? EVENED_DEG : Math.min(EVENED_DEG, step, length - 1 - step);
-      let sum = 0;
-      for (let offset = -half; offset <= half; offset += 1) sum += reaches[(start + step + offset + reaches.length) % reaches.length];
-      even[(start + step) % reaches.length] = sum / (2 * half + 1);
+    const at = (step) => px[(start + step) % px.length];
+    const border = (step) => (at(Math.max(step - 1, 0)) + at(Math.min(step, length - 1)) + 1) / 2;
+    for (let first = 0, end = 0; first < length; first = end) {
+      while (end < length && at(end) === at(first)) end += 1;
+      const [from, to] = [border(first), border(end)];
+      for (let step = first; step < end; step += 1) even[(start + step) % px.length] = from + ((to - from) * (step - first + 0.5)) / (end - first);
     }
   }
   return even;

@@ -9,6 +9,7 @@ const LEAST_LABELLED_DEG = 4;
 const LABEL_INSET_PX = 9;
 const LABEL_PX = [13, 10]; // width and height
 const ARROW_PX = 20;
+const BALL_PX = 9;
 const FLAGS = { partial: "The ball is partly hidden", overlap: "Another robot's outline holds this one's center" };
 const NO_EDGE = 255;
 const DEG = Math.PI / 180;
@@ -84,8 +85,9 @@ function drawDial(pen, width, height, field, view) {
   drawRings(pen, rings, scale);
   const runs = runsOf(codes).filter(({ code }) => code !== field.kinds.nothing);
   for (const run of runs) drawRun(pen, field, run, px.length, place, radius);
-  drawLabels(pen, field, runs, px.length, place, radius);
-  if (view.ball_px >= 0) drawBall(pen, view, scale, place);
+  const ball = view.ball_px < 0 ? null : place(view.ball_direction_deg, view.ball_px * scale);
+  drawLabels(pen, field, runs, px.length, place, radius, ball);
+  if (ball) drawBall(pen, view, scale, place);
   drawBody(pen, field, scale);
 }
 
@@ -125,10 +127,12 @@ function drawRun(pen, field, run, count, place, radius) {
   pen.stroke();
 }
 
-/** Names beside the edges, the widest first; one that would cover another or the arrow is left out. */
-function drawLabels(pen, field, runs, count, place, radius) {
+/** Names beside the edges, the widest first; one that would cover another, the arrow or the ball is left out. */
+function drawLabels(pen, field, runs, count, place, radius, ball) {
   const [wide, high] = LABEL_PX;
-  const taken = [[-ARROW_PX / 2, -ARROW_PX / 2, ARROW_PX, ARROW_PX]];
+  const square = (x, y, size) => [x - size / 2, y - size / 2, size, size];
+  const taken = [square(0, 0, ARROW_PX)];
+  if (ball) taken.push(square(...ball, BALL_PX));
   pen.font = "700 9px system-ui, sans-serif";
   pen.textAlign = "center";
   pen.textBaseline = "middle";
@@ -153,7 +157,7 @@ function drawBall(pen, view, scale, place) {
   for (let offset = -half; offset <= half; offset += 1) pen.lineTo(...place(view.ball_direction_deg + offset, radius));
   pen.stroke();
   pen.beginPath();
-  pen.arc(x, y, 4, 0, 2 * Math.PI);
+  pen.arc(x, y, BALL_PX / 2, 0, 2 * Math.PI);
   pen.fillStyle = color("ball");
   pen.fill();
   pen.lineWidth = 1;

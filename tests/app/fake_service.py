@@ -68,6 +68,10 @@ class Scene:
 
     clients: int = 10
     robots: bool = True
+    unread: bool = False
+    """Of the first robot neither id nor heading can be read."""
+    missing: int = 0
+    """The last robots, which no camera sees."""
     image: bool = True
     """Images come; without them everything after the camera is silent too."""
     states: dict[str, tuple[str, str]] = field(default_factory=dict)
@@ -127,7 +131,7 @@ class FakeService:
         self.put(records.source(CAMERA), source)
         self.put(records.sightings(CAMERA), self._sightings(poses, ball, grabbed), grabbed)
         self.put(records.WORLD, self._world(poses, ball, grabbed), grabbed)
-        views = tuple(self._view(index, poses, ball) for index in range(len(poses)))
+        views = tuple(self._view(index, poses, ball) for index in range(int(self.scene.unread), len(poses)))
         self.put(records.VIEWS, Views(self._frames, grabbed, views), grabbed)
         self.put(records.SERVING, self._serving())
 
@@ -151,7 +155,7 @@ class FakeService:
 
     def _poses(self, t: float) -> list[tuple[Team, int, float, float, float]]:
         poses = []
-        for index in range(2 * self.settings.match.numbers):
+        for index in range(2 * self.settings.match.numbers - self.scene.missing):
             team = Team.BLUE if index < self.settings.match.numbers else Team.YELLOW
             number = index % self.settings.match.numbers + 1
             phase = 0.4 * t + index * math.tau * 0.3
@@ -193,6 +197,8 @@ class FakeService:
         for team, number, x, y, heading in poses:
             px, py = self._camera.pixel_from_field(np.array([[x, y]]), self.settings.robots.height_m)[0]
             robots.append(RobotSighting(team, number, float(px), float(py), x, y, heading, 0.93))
+        if self.scene.unread:
+            robots[0] = replace(robots[0], id=None, heading_rad=None)
         px, py = self._camera.pixel_from_field(np.array([ball]))[0]
         balls = (BallSighting(float(px), float(py), *ball, 0.88),)
         return Sightings(CAMERA, self._frames, grabbed, after(grabbed, 0.006), tuple(robots), balls, self.scene.reasons)
@@ -204,6 +210,8 @@ class FakeService:
             RobotTrack(team, number, x, y, heading, 0.1, 0.2, 0.4, 0.001, 0.01, 0.93, grabbed)
             for team, number, x, y, heading in poses
         )
+        if self.scene.unread:
+            robots = (replace(robots[0], id=None, heading_rad=0.0, heading_sd_rad=1.8), *robots[1:])
         return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed))
 
     def _view(
@@ -318,6 +326,7 @@ STATES: dict[str, Scene] = {
     ),
     "blind": Scene(image=False),
     "crashing": Scene(states={"perceive": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")}),
+    "unread": Scene(unread=True, missing=1),
     "empty": Scene(robots=False, reasons=("no blob is large enough to be a dot of a marker",), repeats=True),
 }
 

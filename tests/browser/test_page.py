@@ -6,6 +6,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene
+from vision_core.rtdb import records
 
 pytestmark = pytest.mark.browser
 
@@ -19,6 +20,13 @@ COLORS_OF_CANVAS = """selector => {
   return seen.size;
 }"""
 """How many colors a canvas shows: 1 when nothing is drawn."""
+PLACE_ON_PAGE = """async ([x_m, y_m]) => {
+  const { mapping } = await import('/web/field.js');
+  const field = await (await fetch('/api/v1/field')).json();
+  const box = document.querySelector('#field').getBoundingClientRect();
+  const [x, y] = mapping(field, box.width, box.height).at(x_m, y_m);
+  return [box.x + x, box.y + y];
+}"""
 
 
 class Watched:
@@ -84,6 +92,39 @@ def test_a_robot_is_chosen_by_keyboard_and_by_click(browser: Browser, server: Pa
     page.locator(".tile.yellow").nth(0).click()
     expect(tile).to_have_attribute("aria-pressed", "false")
     expect(page.locator("#selected")).to_contain_text("yellow 1")
+    assert watched.complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize("service", [STATES["unread"]], indirect=True)
+def test_robots_that_are_not_seen_are_called_so(browser: Browser, server: PageServer) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    tile = page.locator(".tile.yellow").nth(4)
+    tile.click()
+    expect(page.locator("#selected")).to_have_text("yellow 5 is not seen")
+    expect(tile.locator(".unseen-robot")).to_be_visible()
+    expect(page.locator("#clients tr", has_text="yellow 5")).to_contain_text("not seen")
+    expect(page.locator("#clients tr", has_text="yellow 4")).not_to_contain_text("not seen")
+    page.keyboard.press("Escape")
+    expect(tile).to_have_attribute("aria-pressed", "false")
+    assert watched.complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize("service", [STATES["unread"]], indirect=True)
+def test_a_robot_is_chosen_on_the_field(browser: Browser, service: FakeService, server: PageServer) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    service.stop()  # so that they stand
+    page.wait_for_timeout(200)
+    unread, named = records.WORLD.reader(service.store).value(service.clock.now()).robots[:2]
+    for robot in (named, unread):
+        page.mouse.click(*page.evaluate(PLACE_ON_PAGE, [robot.x_m, robot.y_m]))
+        expect(page.locator("#field")).to_have_css("cursor", "pointer")
+        expect(page.locator(".tile.blue").nth(1)).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("#selected")).to_contain_text("B?: its number is not read")
     assert watched.complaints == []
     page.close()
 
