@@ -54,7 +54,7 @@ function showClients(status, isSeen) {
   setText($("try-it"), `python -m vision_core.client --host ${location.hostname} --port ${port} --team blue --number 1`);
   const rows = status.clients.map((client) => [
     [`${client.team} ${client.number}`, client.team],
-    [`${client.address}:${client.port}`, ""],
+    [`${client.address}:${client.port}`, "address"],
     isSeen(client) ? [client.rate_hz.toFixed(1), "number"] : ["⚠ not seen", "number wait"],
     [String(client.sent), "number"],
     [String(client.dropped), client.dropped ? "number bad" : "number"],
