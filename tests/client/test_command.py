@@ -100,11 +100,21 @@ def test_numpy_and_the_standard_library_are_enough(stadium: Stadium, tmp_path: P
     assert picture.stat().st_size > 1000
 
 
+HEEDING_CTRL_C = (  # a shell that runs the tests in the background has its children ignore it
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler);"
+    "from vision_core.client.__main__ import main; sys.exit(main())"
+)
+
+
 def test_ctrl_c_is_a_clean_end(stadium: Stadium, tmp_path: Path) -> None:
     picture = tmp_path / "view.png"
-    command = [sys.executable, "-m", "vision_core.client", *arguments(stadium, "--draw", str(picture))]
+    command = [sys.executable, "-c", HEEDING_CTRL_C, *arguments(stadium, "--draw", str(picture))]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment()
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(),
     ) as client:
         assert client.stdout is not None
         assert "nearest" in client.stdout.readline()
