@@ -20,7 +20,6 @@ from vision_core.clock import Instant, MonotonicClock, after
 from vision_core.field_model import field_segments
 from vision_core.geometry import Bytes, Floats
 from vision_core.rtdb import records
-from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.records import (
     ClientInfo,
     Processes,
@@ -36,30 +35,14 @@ from vision_core.rtdb.store import Store, create_block
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 from vision_core.settings_models import camera_model_from, mirror_from
+from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, RobotTrack, World
 
-TASKS = ("compile", "capture", "perceive", "serve", "web")
 CAMERA = "main"
+TASKS = task_table(CAMERA)
 COLORS = {Team.BLUE: (220, 90, 30), Team.YELLOW: (40, 200, 240)}
-
-
-def specs_of(settings: Settings) -> tuple[RecordSpec, ...]:
-    """The records of a service with one camera."""
-    camera = settings.camera
-    return (
-        records.SERVICE.spec,
-        records.PROCESSES.spec,
-        records.frames(camera.name, camera.width_px, camera.height_px),
-        records.source(camera.name).spec,
-        records.sightings(camera.name).spec,
-        records.WORLD.spec,
-        records.VIEWS.spec,
-        records.SERVING.spec,
-        records.SESSIONS,
-        *(records.task(name).spec for name in TASKS),
-    )
 
 
 @dataclass
@@ -87,7 +70,7 @@ class FakeService:
         self.scene = scene or Scene()
         self.settings = settings or load_settings()
         self.clock = MonotonicClock()
-        self.specs = specs_of(self.settings)
+        self.specs = record_specs(self.settings, TASKS)
         self.block = create_block(self.specs)
         self.store = Store(self.specs, self.block)
         self.boot = self.clock.now()
@@ -110,7 +93,7 @@ class FakeService:
     def write_processes(self) -> None:
         """What the supervisor writes."""
         infos = []
-        for index, name in enumerate(TASKS):
+        for index, name in enumerate(task.name for task in TASKS):
             state, detail = self.scene.states.get(name, ("done" if name == "compile" else "running", ""))
             infos.append(ProcessInfo(name, 4000 + index if state == "running" else None, state, 0, detail))
         self.put(records.PROCESSES, Processes(tuple(infos)))

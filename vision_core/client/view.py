@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from vision_core.geometry import Floats, frozen
 from vision_core.mirror_model import MM_PER_M, Mirror
-from vision_core.protocol.messages import Ball, See
+from vision_core.protocol.messages import NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, directions_deg
 
-NOTHING_PX = 0xFF
 HALF_PX = 0.5
 """The server cut the true distance down to a whole pixel: its expectation lies half a pixel farther."""
 

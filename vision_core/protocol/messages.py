@@ -10,6 +10,8 @@ from vision_core.types.objects import Team
 US_PER_S = 1_000_000
 LARGEST_NUMBER = 16
 """Robots per team that the letters of ``(types number)`` can tell apart."""
+NOTHING_PX = 0xFF
+"""An edge of ``ff`` pixels: nothing within range."""
 
 
 @dataclass(frozen=True, slots=True)

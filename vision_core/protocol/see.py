@@ -9,13 +9,11 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.mirror_model import MM_PER_M, Mirror
 from vision_core.protocol.codec import encode_see
 from vision_core.protocol.letters import LetterTable, letters_by_kind
-from vision_core.protocol.messages import HIDDEN, Ball, See
+from vision_core.protocol.messages import HIDDEN, NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, ray_indices
 from vision_core.types.field import EdgeKind
 from vision_core.types.views import BallView, RobotView
 
-NOTHING_PX = 255
-"""``ff``: nothing within range."""
 NS_PER_US = 1000
 
 FARTHEST_M = 1e6
