@@ -151,16 +151,30 @@ class BlobSettings(Record, frozen=True):
     max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
 
 
-class RobotSettings(Record, frozen=True):
+class RobotShape(Record, frozen=True):
+    """A robot's body and how high its marker lies: its pattern's file says it, a venue may change it."""
+
+    outline: Annotated[Literal["circle", "square"], Meta(description="of the body, as views have it")]
+    radius_m: Annotated[float, Meta(gt=0.005, le=1.0, description="of the circle, or half the side of the square")]
+    height_m: Annotated[float, Meta(ge=0.0, le=2.0, description="of the markers over the floor")]
+
+
+class TeamRobotSettings(RobotShape, frozen=True):
+    """The robots of a team that has its own."""
+
+    pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
+
+
+class RobotSettings(RobotShape, frozen=True):
     """Robots and how they are recognized."""
 
     pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
-    radius_m: Annotated[float, Meta(gt=0.005, le=1.0)]
-    height_m: Annotated[float, Meta(ge=0.0, le=2.0, description="of the markers over the floor")]
     min_area: Annotated[float, Meta(gt=0.0, description="smallest area of a dot as a share of the predicted one")]
     max_area: Annotated[float, Meta(gt=0.0)]
     dot_tolerance_m: Annotated[float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place")]
     min_confidence: Share
+    blue: TeamRobotSettings | None = None
+    yellow: TeamRobotSettings | None = None
 
 
 class BallSettings(Record, frozen=True):

@@ -60,7 +60,23 @@ def load_settings(
     for layer in upper:
         preset = layer.table.get("field_preset", preset)
     field = read_layer(find_file("fields", str(preset)))
-    return settings_from_layers([lowest, field, *upper])
+    robots = {key: value for layer in (lowest, *upper) for key, value in _robots(layer).items()}
+    return settings_from_layers([lowest, field, *_pattern_layers(robots), *upper])
+
+
+def _robots(layer: Layer) -> Table:
+    robots = layer.table.get("robots")
+    return robots if isinstance(robots, dict) else {}
+
+
+def _pattern_layers(robots: Table) -> list[Layer]:
+    """What the files of the chosen patterns say about the robots that wear them: outline, size and height."""
+    layers = []
+    for path, table in (((), robots), *(((team,), robots.get(team)) for team in ("blue", "yellow"))):
+        if isinstance(table, dict) and isinstance(name := table.get("pattern"), str):
+            pattern = read_layer(find_file("patterns", name))
+            layers.append(Layer(pattern.name, _nested({".".join(("robots", *path)): pattern.table.get("robot", {})})))
+    return layers
 
 
 def settings_from_layers(layers: list[Layer]) -> Settings:

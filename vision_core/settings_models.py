@@ -4,7 +4,8 @@ import numpy as np
 
 from vision_core.camera_model import CameraModel, HomographyCamera, PinholeCamera
 from vision_core.mirror_model import Mirror
-from vision_core.settings import Settings
+from vision_core.settings import RobotSettings, Settings, TeamRobotSettings
+from vision_core.types.objects import Team
 
 
 def camera_model_from(settings: Settings) -> CameraModel:
@@ -22,3 +23,11 @@ def camera_model_from(settings: Settings) -> CameraModel:
 def mirror_from(settings: Settings) -> Mirror:
     """The default mirror of the settings."""
     return Mirror(settings.mirror.a, settings.mirror.b, settings.mirror.c)
+
+
+def robots_of(robots: RobotSettings, team: Team) -> TeamRobotSettings:
+    """Pattern, outline, size and height of a team's robots: its own, or those of all."""
+    own = robots.blue if team is Team.BLUE else robots.yellow
+    return own or TeamRobotSettings(
+        pattern=robots.pattern, outline=robots.outline, radius_m=robots.radius_m, height_m=robots.height_m
+    )

@@ -179,11 +179,11 @@ class FakeService:
         robots = []
         for team, number, x, y, heading in poses:
             px, py = self._camera.pixel_from_field(np.array([[x, y]]), self.settings.robots.height_m)[0]
-            robots.append(RobotSighting(team, number, float(px), float(py), x, y, heading, 0.93))
+            robots.append(RobotSighting(team, number, float(px), float(py), x, y, heading, 0.93, 0.001, 0.01))
         if self.scene.unread:
             robots[0] = replace(robots[0], id=None, heading_rad=None)
         px, py = self._camera.pixel_from_field(np.array([ball]))[0]
-        balls = (BallSighting(float(px), float(py), *ball, 0.88),)
+        balls = (BallSighting(float(px), float(py), *ball, 0.88, 0.001),)
         return Sightings(CAMERA, self._frames, grabbed, after(grabbed, 0.006), tuple(robots), balls, self.scene.reasons)
 
     def _world(
@@ -195,7 +195,7 @@ class FakeService:
         )
         if self.scene.unread:
             robots = (replace(robots[0], id=None, heading_rad=0.0, heading_sd_rad=1.8), *robots[1:])
-        return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed))
+        return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed), ())
 
     def _view(
         self, own: int, poses: list[tuple[Team, int, float, float, float]], ball: tuple[float, float]

@@ -41,7 +41,7 @@ def test_outlines_begin_at_the_heading(settings: Settings) -> None:
     robots = []
     for x, y, heading in ((0.4, -0.3, 0.7), (-1.0, 0.8, None)):
         px, py = camera.pixel_from_field(np.array([[x, y]]), settings.robots.height_m)[0]
-        robots.append(RobotSighting(Team.BLUE, 3, float(px), float(py), x, y, heading, 0.9))
+        robots.append(RobotSighting(Team.BLUE, 3, float(px), float(py), x, y, heading, 0.9, 0.001, 0.01))
     outlines = Outlines(settings).of(robots)
     assert [len(outline) for outline in outlines] == [STEPS, STEPS]
     nose = camera.field_from_pixel(np.array([outlines[0][0]]), settings.robots.height_m)[0] - (0.4, -0.3)

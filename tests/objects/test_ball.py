@@ -43,7 +43,7 @@ def found(
 
 
 def robot_at(x_m: float, y_m: float) -> RobotSighting:
-    return RobotSighting(Team.BLUE, 1, 0.0, 0.0, x_m, y_m, 0.0, 1.0)
+    return RobotSighting(Team.BLUE, 1, 0.0, 0.0, x_m, y_m, 0.0, 1.0, 0.001, 0.01)
 
 
 def test_a_ball_is_found_at_its_point_on_the_floor(drawn: Picture, place: tuple[float, float]) -> None:

@@ -27,8 +27,8 @@ def round_trip(item: Item[T], value: T) -> T:
 
 
 def test_sightings() -> None:
-    robot = RobotSighting(Team.BLUE, None, 1.5, 2.5, 0.1, 0.2, None, 0.9)
-    ball = BallSighting(5.0, 6.0, 0.0, 0.1, 0.8)
+    robot = RobotSighting(Team.BLUE, None, 1.5, 2.5, 0.1, 0.2, None, 0.9, 0.001, None)
+    ball = BallSighting(5.0, 6.0, 0.0, 0.1, 0.8, 0.001)
     seen = Sightings("main", 7, Instant(1), Instant(2), (robot,), (ball,), ("too dark",))
     assert round_trip(records.sightings("main"), seen) == seen
 
@@ -36,7 +36,7 @@ def test_sightings() -> None:
 def test_world() -> None:
     robot = RobotTrack(Team.YELLOW, 3, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.001, 0.01, 1.0, Instant(9))
     ball = BallTrack(0.1, 0.2, 0.0, 0.0, 0.001, True, Instant(8))
-    world = World(7, Instant(10), (robot,), ball)
+    world = World(7, Instant(10), (robot,), ball, ())
     assert round_trip(records.WORLD, world) == world
 
 

@@ -19,7 +19,7 @@ BOOT = Instant(NS_PER_S)
 
 def robot(team: Team, number: int, x_m: float, y_m: float, heading_rad: float = 0.0) -> RobotSighting:
     ids = SETTINGS.match.blue_ids if team is Team.BLUE else SETTINGS.match.yellow_ids
-    return RobotSighting(team, ids[number - 1], 0.0, 0.0, x_m, y_m, heading_rad, 1.0)
+    return RobotSighting(team, ids[number - 1], 0.0, 0.0, x_m, y_m, heading_rad, 1.0, 0.001, 0.01)
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def maker() -> SceneMaker:
 def scene(maker: SceneMaker) -> Scene:
     """Blue 1 in the middle looks at yellow 2, a meter ahead; the ball lies half a meter to its left."""
     robots = (robot(Team.BLUE, 1, 0.0, 0.0), robot(Team.YELLOW, 2, 1.0, 0.0))
-    ball = BallSighting(0.0, 0.0, 0.0, 0.5, 1.0)
+    ball = BallSighting(0.0, 0.0, 0.0, 0.5, 1.0, 0.001)
     at = Instant(BOOT + 20_306_148_000_000)
     return maker.scene(Sightings("main", 7, at, at, robots, (ball,), ()))
 

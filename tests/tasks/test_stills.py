@@ -55,9 +55,9 @@ def test_a_picture_becomes_one_table(settings: Settings, still: Path) -> None:
     assert set(table) == {"file", "robots", "balls", "reasons"}
     assert table["file"] == str(still)
     assert [set(robot) for robot in table["robots"]] == [
-        {"team", "id", "x_px", "y_px", "x_m", "y_m", "heading_rad", "confidence"}
+        {"team", "id", "x_px", "y_px", "x_m", "y_m", "heading_rad", "confidence", "position_sd_m", "heading_sd_rad"}
     ]
-    assert [set(ball) for ball in table["balls"]] == [{"x_px", "y_px", "x_m", "y_m", "confidence"}]
+    assert [set(ball) for ball in table["balls"]] == [{"x_px", "y_px", "x_m", "y_m", "confidence", "position_sd_m"}]
     (robot,) = table["robots"]
     assert (robot["team"], robot["id"]) == ("blue", 6)
     assert math.dist((robot["x_px"], robot["y_px"]), (60.0, 50.0)) < 0.4

@@ -21,11 +21,11 @@ BLUE, YELLOW = Team.BLUE, Team.YELLOW
 def robot(
     marker: int | None, x_m: float, y_m: float = 0.0, heading: float | None = 0.0, team: Team = BLUE
 ) -> RobotSighting:
-    return RobotSighting(team, marker, 0.0, 0.0, x_m, y_m, heading, 0.9)
+    return RobotSighting(team, marker, 0.0, 0.0, x_m, y_m, heading, 0.9, 0.001, 0.01 if heading is not None else None)
 
 
 def ball(x_m: float, y_m: float = 0.0, confidence: float = 0.9) -> BallSighting:
-    return BallSighting(0.0, 0.0, x_m, y_m, confidence)
+    return BallSighting(0.0, 0.0, x_m, y_m, confidence, 0.001)
 
 
 class Film:
@@ -62,7 +62,7 @@ def only(world: World) -> RobotTrack:
 
 
 def test_before_the_first_frame_the_world_is_empty() -> None:
-    assert Tracker(SETTINGS).predict(START) == World(0, START, (), None)
+    assert Tracker(SETTINGS).predict(START) == World(0, START, (), None, ())
 
 
 def test_a_robot_and_a_ball_are_served_from_their_first_frame() -> None:

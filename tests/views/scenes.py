@@ -43,7 +43,7 @@ def ball(x_m: float, y_m: float) -> BallTrack:
 
 def world(*robots: RobotTrack, ball: BallTrack | None = None) -> World:
     """A world of frame 7."""
-    return World(7, AT, robots, ball)
+    return World(7, AT, robots, ball, ())
 
 
 def observer(field: FieldSettings, settings: Settings = SETTINGS) -> Observer:
@@ -63,7 +63,7 @@ def random_world(rng: np.random.Generator, field: FieldSettings) -> World:
             x, y = _beside(rng, own.x_m, own.y_m, RADIUS * rng.uniform(0.0, 2.1))
         team = Team.BLUE if rng.random() < 0.5 else Team.YELLOW
         robots.append(robot(team, None if rng.random() < 0.2 else marker, x, y))
-    return World(7, AT, tuple(robots), _random_ball(rng, robots, reach))
+    return World(7, AT, tuple(robots), _random_ball(rng, robots, reach), ())
 
 
 def _random_ball(rng: np.random.Generator, robots: list[RobotTrack], reach: tuple[float, float]) -> BallTrack | None:

@@ -92,6 +92,7 @@ def find_balls(
             x_m=float(found.place_m[blob, 0]),
             y_m=float(found.place_m[blob, 1]),
             confidence=float(confidences[blob]),
+            position_sd_m=0.001,
         )
         for blob in np.flatnonzero(passed.all(axis=1))
     ]

@@ -24,11 +24,12 @@ class Marker:
 
 def marker_from(pattern: Pattern) -> Marker:
     """Derive areas, metres and the decoding table."""
+    circles = np.array([patch.circle_mm for patch in pattern.patches], dtype=np.float64)
     return Marker(
-        center_area_m2=_disc_area_m2(pattern.center_diameter_mm),
-        dot_area_m2=_disc_area_m2(pattern.dot_diameter_mm),
-        slots_m=frozen(np.array(pattern.dots_mm, dtype=np.float64) / 1000.0),
-        dot_colors=pattern.dot_colors,
+        center_area_m2=_disc_area_m2(circles[0, 2]),
+        dot_area_m2=_disc_area_m2(circles[1, 2]),
+        slots_m=frozen(circles[1:, :2].copy() / 1000.0),
+        dot_colors=pattern.code.colors,
         id_by_code={code: number for number, code in pattern.code_by_id.items()},
     )
 

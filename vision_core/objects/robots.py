@@ -152,6 +152,8 @@ def _sighting(
         y_m=row[Y],
         heading_rad=wrap_angle(row[HEADING]) if told else None,
         confidence=row[SCORE],
+        position_sd_m=0.001,
+        heading_sd_rad=0.01 if told else None,
     )
 
 

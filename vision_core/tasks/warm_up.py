@@ -27,10 +27,10 @@ def warm_up_scene(settings: Settings) -> None:
     maker = SceneMaker(settings, Instant(0))
     ids = settings.match.blue_ids[0], settings.match.yellow_ids[0]
     robots = (
-        RobotSighting(Team.BLUE, ids[0], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
-        RobotSighting(Team.YELLOW, ids[1], 0.0, 0.0, 0.5, 0.0, 0.0, 1.0),
+        RobotSighting(Team.BLUE, ids[0], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.001, 0.01),
+        RobotSighting(Team.YELLOW, ids[1], 0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.001, 0.01),
     )
-    seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0),), ())
+    seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0, 0.001),), ())
     scene = maker.scene(seen)
     maker.snapshot(scene)
     for team, number in scene.views:

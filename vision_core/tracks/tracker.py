@@ -49,4 +49,4 @@ class Tracker:
         It carries the last frame's number; the ball is hidden if that frame did not show it.
         """
         frame = at if self._grabbed is None else self._grabbed
-        return World(self._frame_number, at, self._robots.at(at), self._ball.at(at, frame))
+        return World(self._frame_number, at, self._robots.at(at), self._ball.at(at, frame), ())

@@ -29,6 +29,9 @@ class RobotSighting:
     """None where the pattern shows no direction."""
     confidence: float
     """0..1."""
+    position_sd_m: float
+    """Standard deviation of the position, per axis."""
+    heading_sd_rad: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,20 @@ class BallSighting:
     y_px: float
     x_m: float
     y_m: float
+    confidence: float
+    position_sd_m: float
+    """Standard deviation of the position, per axis."""
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleSighting:
+    """A thing of robot size in one frame that is no known robot and no ball; a circle on the floor holds it."""
+
+    x_px: float
+    y_px: float
+    x_m: float
+    y_m: float
+    radius_m: float
     confidence: float
 
 

@@ -43,6 +43,16 @@ class BallTrack:
 
 
 @dataclass(frozen=True, slots=True)
+class ObstacleTrack:
+    """A thing of robot size that nobody knows: a circle on the floor."""
+
+    x_m: float
+    y_m: float
+    radius_m: float
+    seen: Instant
+
+
+@dataclass(frozen=True, slots=True)
 class World:
     """The field at one instant, ordered by team and id. Nothing older than its validity is in it."""
 
@@ -50,3 +60,4 @@ class World:
     at: Instant
     robots: tuple[RobotTrack, ...]
     ball: BallTrack | None
+    obstacles: tuple[ObstacleTrack, ...]

@@ -147,14 +147,12 @@ def _robot_look(settings: Settings, pattern: Pattern, team: Team, worn_id: int) 
         raise SourceError(
             f"synthetic: {team} robot with marker id {worn_id}",
             found=f"no such id in pattern {pattern.name}",
-            accepted=", ".join(pattern.ids),
+            accepted=", ".join(pattern.code.ids),
         )
-    names = {name[0].upper(): name for name in pattern.dot_colors}
+    names = {name[0].upper(): name for name in pattern.code.colors}
     paints = [PLATE_BGR, BODY_BGR, _paint(team, "team"), *(_paint(names[letter], "dot_colors") for letter in code)]
-    dots = [
-        (0.0, 0.0, pattern.center_diameter_mm / 2.0),
-        *((x, y, pattern.dot_diameter_mm / 2.0) for x, y in pattern.dots_mm),
-    ]
+    circles = [patch.circle_mm for patch in pattern.patches if patch.circle_mm is not None]
+    dots = [(x, y, diameter / 2.0) for x, y, diameter in circles]
     radius = settings.robots.radius_m
     return Look(
         radius, FRONT * radius, settings.robots.height_m, np.array(paints, dtype=np.float64), np.array(dots) / 1e3

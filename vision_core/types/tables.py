@@ -1,0 +1,227 @@
+"""What flows, as the hot path holds it: tables of fixed room, one block of memory each.
+
+A record with lists of objects in it costs an allocation per object and frame. The tables here are taken once,
+filled in place by compiled code, and are their own form in the database: their bytes are copied, nothing is
+encoded. ``objects`` and ``tracks`` hold the same as records for people; ``record`` makes one from a table.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.clock import Instant
+from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting, Sightings, Team
+from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
+
+Table = NDArray[Any]
+"""A structured array, or one row of it."""
+
+NO_ID = -1
+TEAMS = (Team.BLUE, Team.YELLOW)
+"""A team's number in the tables is its place here."""
+TEAM_NUMBER = {team: number for number, team in enumerate(TEAMS)}
+
+MOST_ROBOTS = 64
+"""Twice two full teams: what a cloth of dots shows beyond these is no robot."""
+MOST_BALLS = 32
+MOST_OBSTACLES = 64
+
+BLOB = np.dtype(
+    [
+        ("color", np.int32), ("area_px", np.int32),
+        ("x_px", np.float64), ("y_px", np.float64),
+        ("left", np.int32), ("top", np.int32), ("right", np.int32), ("bottom", np.int32),
+    ]
+)  # fmt: skip
+"""A connected region of one color class: class of the ColorTable, area, centroid, bounding box (inclusive)."""
+
+ROBOT = np.dtype(
+    [
+        ("team", np.int32), ("id", np.int32),
+        ("x_px", np.float64), ("y_px", np.float64), ("x_m", np.float64), ("y_m", np.float64),
+        ("heading_rad", np.float64), ("confidence", np.float64),
+        ("position_sd_m", np.float64), ("heading_sd_rad", np.float64),
+    ]
+)  # fmt: skip
+"""A RobotSighting: id NO_ID where it is not known, heading and its deviation nan where there is none."""
+
+BALL = np.dtype(
+    [
+        ("x_px", np.float64), ("y_px", np.float64), ("x_m", np.float64), ("y_m", np.float64),
+        ("confidence", np.float64), ("position_sd_m", np.float64),
+    ]
+)  # fmt: skip
+
+OBSTACLE = np.dtype(
+    [
+        ("x_px", np.float64), ("y_px", np.float64), ("x_m", np.float64), ("y_m", np.float64),
+        ("radius_m", np.float64), ("confidence", np.float64),
+    ]
+)  # fmt: skip
+
+ROBOT_TRACK = np.dtype(
+    [
+        ("team", np.int32), ("id", np.int32), ("x_m", np.float64), ("y_m", np.float64), ("heading_rad", np.float64),
+        ("vx_m_s", np.float64), ("vy_m_s", np.float64), ("turn_rad_s", np.float64),
+        ("position_sd_m", np.float64), ("heading_sd_rad", np.float64), ("confidence", np.float64), ("seen", np.int64),
+    ]
+)  # fmt: skip
+
+BALL_TRACK = np.dtype(
+    [
+        ("x_m", np.float64), ("y_m", np.float64), ("vx_m_s", np.float64), ("vy_m_s", np.float64),
+        ("position_sd_m", np.float64), ("hidden", np.int64), ("seen", np.int64),
+    ]
+)  # fmt: skip
+
+OBSTACLE_TRACK = np.dtype(
+    [("x_m", np.float64), ("y_m", np.float64), ("radius_m", np.float64), ("seen", np.int64)]
+)  # fmt: skip
+
+SIGHTINGS = np.dtype(
+    [
+        ("camera", "S16"), ("frame_number", np.int64), ("grabbed", np.int64), ("perceived", np.int64),
+        ("complete", np.int64), ("counts", np.int64, (2,)),
+        ("robots", ROBOT, (MOST_ROBOTS,)), ("balls", BALL, (MOST_BALLS,)),
+    ]
+)  # fmt: skip
+WORLD = np.dtype(
+    [
+        ("frame_number", np.int64), ("at", np.int64), ("counts", np.int64, (3,)),
+        ("robots", ROBOT_TRACK, (MOST_ROBOTS,)), ("balls", BALL_TRACK, (1,)),
+        ("obstacles", OBSTACLE_TRACK, (MOST_OBSTACLES,)),
+    ]
+)  # fmt: skip
+
+
+class SightingsTable:
+    """Everything seen in one frame, ordered as ``Sightings``."""
+
+    def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
+        """A table in memory of its own (filled from bytes, when given)."""
+        self.whole: Table = np.zeros(1, dtype=SIGHTINGS)
+        if memory is not None:
+            self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
+        row = self.whole[0]
+        self.counts: NDArray[np.int64] = row["counts"]
+        """How many robots and balls there are."""
+        self.robots: Table = row["robots"]
+        self.balls: Table = row["balls"]
+        self.bytes: memoryview = self.whole.view(np.uint8).data
+        """The table's memory."""
+
+    def stamp(self, camera: str, frame_number: int, grabbed: Instant, perceived: Instant) -> None:
+        """Say which frame it tells of."""
+        row = self.whole[0]
+        row["camera"], row["frame_number"] = camera.encode(), frame_number
+        row["grabbed"], row["perceived"] = grabbed, perceived
+
+    def record(self) -> Sightings:
+        """The same for people."""
+        row = self.whole[0]
+        robots, balls = self.counts.tolist()
+        return Sightings(
+            camera=row["camera"].decode(),
+            frame_number=int(row["frame_number"]),
+            grabbed=Instant(int(row["grabbed"])),
+            perceived=Instant(int(row["perceived"])),
+            robots=tuple(_robot(robot) for robot in self.robots[:robots].tolist()),
+            balls=tuple(BallSighting(*ball) for ball in self.balls[:balls].tolist()),
+            reasons=(),
+        )
+
+    @classmethod
+    def of(cls, seen: Sightings) -> "SightingsTable":
+        """A table of a record."""
+        table = cls()
+        table.stamp(seen.camera, seen.frame_number, seen.grabbed, seen.perceived)
+        table.counts[:] = len(seen.robots), len(seen.balls)
+        for index, robot in enumerate(seen.robots):
+            table.robots[index] = (
+                TEAM_NUMBER[robot.team], NO_ID if robot.id is None else robot.id,
+                robot.x_px, robot.y_px, robot.x_m, robot.y_m,
+                np.nan if robot.heading_rad is None else robot.heading_rad, robot.confidence, robot.position_sd_m,
+                np.nan if robot.heading_sd_rad is None else robot.heading_sd_rad,
+            )  # fmt: skip
+        for index, ball in enumerate(seen.balls):
+            table.balls[index] = (ball.x_px, ball.y_px, ball.x_m, ball.y_m, ball.confidence, ball.position_sd_m)
+        return table
+
+
+class WorldTable:
+    """The field at one instant, ordered as ``World``."""
+
+    def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
+        """A table in memory of its own (filled from bytes, when given)."""
+        self.whole: Table = np.zeros(1, dtype=WORLD)
+        if memory is not None:
+            self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
+        row = self.whole[0]
+        self.counts: NDArray[np.int64] = row["counts"]
+        """How many robots, balls (0 or 1) and obstacles there are."""
+        self.robots: Table = row["robots"]
+        self.balls: Table = row["balls"]
+        self.obstacles: Table = row["obstacles"]
+        self.bytes: memoryview = self.whole.view(np.uint8).data
+        """The table's memory."""
+
+    def record(self) -> World:
+        """The same for people."""
+        row = self.whole[0]
+        robots, balls, obstacles = self.counts.tolist()
+        return World(
+            frame_number=int(row["frame_number"]),
+            at=Instant(int(row["at"])),
+            robots=tuple(_robot_track(track) for track in self.robots[:robots].tolist()),
+            ball=_ball_track(self.balls[0].tolist()) if balls else None,
+            obstacles=tuple(ObstacleTrack(x, y, r, Instant(s)) for x, y, r, s in self.obstacles[:obstacles].tolist()),
+        )
+
+    @classmethod
+    def of(cls, world: World) -> "WorldTable":
+        """A table of a record."""
+        table = cls()
+        row = table.whole[0]
+        row["frame_number"], row["at"] = world.frame_number, world.at
+        table.counts[:] = len(world.robots), world.ball is not None, len(world.obstacles)
+        for index, robot in enumerate(world.robots):
+            table.robots[index] = (
+                TEAM_NUMBER[robot.team], NO_ID if robot.id is None else robot.id,
+                robot.x_m, robot.y_m, robot.heading_rad, robot.vx_m_s, robot.vy_m_s, robot.turn_rad_s,
+                robot.position_sd_m, robot.heading_sd_rad, robot.confidence, robot.seen,
+            )  # fmt: skip
+        if (ball := world.ball) is not None:
+            table.balls[0] = (
+                ball.x_m, ball.y_m, ball.vx_m_s, ball.vy_m_s, ball.position_sd_m, ball.hidden, ball.seen
+            )  # fmt: skip
+        for index, thing in enumerate(world.obstacles):
+            table.obstacles[index] = (thing.x_m, thing.y_m, thing.radius_m, thing.seen)
+        return table
+
+
+def obstacle_table(obstacles: tuple[ObstacleSighting, ...]) -> Table:
+    """A table of obstacles, shape (n,)."""
+    rows = [(o.x_px, o.y_px, o.x_m, o.y_m, o.radius_m, o.confidence) for o in obstacles]
+    return np.array(rows, dtype=OBSTACLE)
+
+
+def _known(number: float) -> float | None:
+    return None if np.isnan(number) else number
+
+
+def _robot(row: tuple[Any, ...]) -> RobotSighting:
+    team, marker, x_px, y_px, x_m, y_m, heading, confidence, position_sd, heading_sd = row
+    return RobotSighting(
+        team=TEAMS[team], id=None if marker == NO_ID else marker, x_px=x_px, y_px=y_px, x_m=x_m, y_m=y_m,
+        heading_rad=_known(heading), confidence=confidence, position_sd_m=position_sd,
+        heading_sd_rad=_known(heading_sd),
+    )  # fmt: skip
+
+
+def _robot_track(row: tuple[Any, ...]) -> RobotTrack:
+    return RobotTrack(TEAMS[row[0]], None if row[1] == NO_ID else row[1], *row[2:-1], Instant(row[-1]))
+
+
+def _ball_track(row: tuple[Any, ...]) -> BallTrack:
+    return BallTrack(*row[:-2], bool(row[-2]), Instant(row[-1]))
