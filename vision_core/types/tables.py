@@ -219,9 +219,9 @@ def _robot(row: tuple[Any, ...]) -> RobotSighting:
     )  # fmt: skip
 
 
-def _robot_track(row: tuple[Any, ...]) -> RobotTrack:
+def _robot_track(row: Any) -> RobotTrack:
     return RobotTrack(TEAMS[row[0]], None if row[1] == NO_ID else row[1], *row[2:-1], Instant(row[-1]))
 
 
-def _ball_track(row: tuple[Any, ...]) -> BallTrack:
+def _ball_track(row: Any) -> BallTrack:
     return BallTrack(*row[:-2], bool(row[-2]), Instant(row[-1]))
