@@ -219,9 +219,14 @@ def _robot(row: tuple[Any, ...]) -> RobotSighting:
     )  # fmt: skip
 
 
-def _robot_track(row: Any) -> RobotTrack:
-    return RobotTrack(TEAMS[row[0]], None if row[1] == NO_ID else row[1], *row[2:-1], Instant(row[-1]))
+def _robot_track(row: tuple[Any, ...]) -> RobotTrack:
+    team, marker, x, y, heading, vx, vy, turn, position_sd, heading_sd, confidence, seen = row
+    known = None if marker == NO_ID else marker
+    return RobotTrack(
+        TEAMS[team], known, x, y, heading, vx, vy, turn, position_sd, heading_sd, confidence, Instant(seen)
+    )
 
 
-def _ball_track(row: Any) -> BallTrack:
-    return BallTrack(*row[:-2], bool(row[-2]), Instant(row[-1]))
+def _ball_track(row: tuple[Any, ...]) -> BallTrack:
+    x, y, vx, vy, position_sd, hidden, seen = row
+    return BallTrack(x, y, vx, vy, position_sd, bool(hidden), Instant(seen))
