@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.status import Status
 
 from app import __version__
+from app.commands.bench import bench
 from vision_core.errors import PslvError
 
 app = typer.Typer(
@@ -21,6 +22,7 @@ app = typer.Typer(
 )
 config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
+app.command()(bench)
 console = Console(stderr=True, highlight=False)
 
 Venue = Annotated[
