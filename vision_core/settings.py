@@ -199,6 +199,7 @@ class TrackSettings(Record, frozen=True):
 
     validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="a robot unseen for longer is gone")]
     ball_validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0)]
+    obstacle_validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="so long it stays without news")]
     gate_m: Annotated[float, Meta(gt=0.0, le=2.0)]
     robot_acceleration_m_s2: Positive
     robot_turn_acceleration_rad_s2: Positive
