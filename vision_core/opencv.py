@@ -2,6 +2,7 @@
 real-time priority, so they are switched off here, once."""
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias, cast
 
@@ -12,6 +13,7 @@ os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(CAMERA_PATIENCE_S
 
 import cv2  # noqa: E402
 import numpy as np  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
 
 from vision_core.errors import SourceError  # noqa: E402
 from vision_core.geometry import Bytes  # noqa: E402
@@ -92,6 +94,30 @@ def shrink(image: Bytes, width_px: int) -> Bytes:
         return image
     size = (width_px, round(height * width_px / width))
     return cast("Bytes", cv2.resize(image, size, interpolation=cv2.INTER_AREA))
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A connected region of a mask."""
+
+    area_px: int
+    width_px: int
+    height_px: int
+    center_px: Point
+
+
+def connected_regions(mask: NDArray[np.bool_]) -> list[Region]:
+    """The regions of true pixels, touching ones (diagonally counts) together."""
+    _, _, boxes, centers = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    return [
+        Region(int(area), int(width), int(height), (float(x), float(y)))
+        for (_, _, width, height, area), (x, y) in zip(boxes[1:], centers[1:], strict=True)
+    ]
+
+
+def median_filtered(image: Bytes, side_px: int) -> Bytes:
+    """Every pixel the median of the square round it, per channel; side_px: odd."""
+    return cast("Bytes", cv2.medianBlur(image, side_px))
 
 
 class Video:

@@ -18,6 +18,7 @@ Positive = Annotated[float, Meta(gt=0.0, le=1e6)]
 NotNegative = Annotated[float, Meta(ge=0.0, le=1e6)]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 Degrees = Annotated[float, Meta(ge=-360.0, le=720.0)]
+Level = Annotated[float, Meta(ge=0.0, le=255.0)]
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 
@@ -136,11 +137,37 @@ class ColorRange(Record, frozen=True):
     luma: Annotated[tuple[float, float] | None, Meta(description="0..255")] = None
 
 
+class LightSettings(Record, frozen=True):
+    """The light that the colors were tuned in, and how a picture's own is judged: venue = (pixel - black) * gain."""
+
+    adapt: Annotated[bool, Meta(description="judge the light and see every picture as if it were the venue's")]
+    black_bgr: Annotated[tuple[Level, Level, Level], Meta(description="what the sensor says in the dark")]
+    band: Annotated[
+        tuple[Share, Share], Meta(description="which samples are averaged, from the darkest to the brightest")
+    ]
+    reference_bgr: Annotated[
+        tuple[Level, Level, Level], Meta(description="their color over black in the venue's light")
+    ]
+    white_balance: Annotated[bool, Meta(description="a gain of its own for every channel; otherwise one for all three")]
+    beyond_m: Annotated[float, Meta(ge=-1.0, le=1.0, description="samples reach so far beyond the walls or limits")]
+
+
+LIGHT_AS_IT_IS = LightSettings(
+    adapt=False,
+    black_bgr=(0.0, 0.0, 0.0),
+    band=(0.25, 0.75),
+    reference_bgr=(60.0, 110.0, 60.0),
+    white_balance=True,
+    beyond_m=0.0,
+)
+
+
 class ColorSettings(Record, frozen=True):
     """Color classes. A class is one box or several; where two claim a color, the one listed first wins."""
 
     space: Annotated[Literal["hsv", "ymp"], Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase")]
     classes: dict[str, tuple[ColorRange, ...]]
+    light: LightSettings = LIGHT_AS_IT_IS
 
 
 class BlobSettings(Record, frozen=True):
@@ -192,6 +219,15 @@ class BallSettings(Record, frozen=True):
     min_surrounding: Share
     inside_robot_m: Annotated[float, Meta(ge=0.0, description="nearer to a robot's center than this it is no ball")]
     min_confidence: Share
+
+
+class ObstacleSettings(Record, frozen=True):
+    """Things that nobody knows."""
+
+    rate_hz: Annotated[float, Meta(gt=0.0, le=100.0, description="how often they are looked for")]
+    difference: Annotated[float, Meta(gt=0.0, le=255.0, description="from the carpet, in grey levels")]
+    min_radius_m: Annotated[float, Meta(gt=0.0, le=1.0)]
+    max_radius_m: Annotated[float, Meta(gt=0.0, le=5.0)]
 
 
 class TrackSettings(Record, frozen=True):
@@ -268,6 +304,7 @@ class Settings(Record, frozen=True):
     blobs: BlobSettings
     robots: RobotSettings
     ball: BallSettings
+    obstacles: ObstacleSettings
     tracks: TrackSettings
     views: ViewSettings
     protocol: ProtocolSettings

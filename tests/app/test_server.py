@@ -76,6 +76,7 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
         "compile": "done",
         "capture": "running",
         "perceive": "running",
+        "obstacles": "running",
         "serve": "running",
         "web": "running",
     }

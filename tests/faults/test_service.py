@@ -59,6 +59,7 @@ def test_it_is_healthy_ready_and_says_what_it_is(service: RunningService) -> Non
         "compile": "done",
         "capture": "running",
         "perceive": "running",
+        "obstacles": "running",
         "serve": "running",
         "web": "running",
     }

@@ -7,6 +7,8 @@
 | frames/<camera> | capture | the newest images |
 | source/<camera> | capture | what the camera is |
 | sightings/<camera> | perceive | what one frame shows |
+| obstacles/<camera> | obstacles | things that nobody knows |
+| diagnosis/<camera> | diagnose | why nothing or too little is seen |
 | world | serve | tracks at the frame's instant |
 | views | serve | what every robot would see, as it goes over the wire |
 | serving | serve | clients, rates and lags |
@@ -24,7 +26,7 @@ from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.slots import SlotReader, SlotWriter
 from vision_core.rtdb.store import Store
 from vision_core.settings import Settings
-from vision_core.types.objects import Sightings, Team
+from vision_core.types.objects import Diagnosis, Obstacles, Sightings, Team
 from vision_core.types.tracks import World
 
 T = TypeVar("T")
@@ -235,6 +237,14 @@ def source(camera: str) -> Item[SourceInfo]:
 
 def sightings(camera: str) -> Item[Sightings]:
     return Item(f"sightings/{camera}", Sightings, 32768, 0.25)
+
+
+def obstacles(camera: str) -> Item[Obstacles]:
+    return Item(f"obstacles/{camera}", Obstacles, 16384, 0.5)
+
+
+def diagnosis(camera: str) -> Item[Diagnosis]:
+    return Item(f"diagnosis/{camera}", Diagnosis, 16384, 5.0)
 
 
 def task(name: str) -> Item[TaskInfo]:

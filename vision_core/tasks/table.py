@@ -1,8 +1,9 @@
 """The task table: every process of the service, on one page.
 
     light -> capture -> frames -> perceive -> sightings -> serve -> datagrams
-                                                             |
-                                        web  <-  everything that was written
+                          |                                  |  |
+                          +-> obstacles ---------------------+  |
+                          +-> diagnose          web  <-  everything that was written
 
 A task runs when the record that triggers it was written; capture is released by its camera. One writer
 per record, no cycle: ``problems`` proves it, a test calls it, and the supervisor starts what stands here.
@@ -42,6 +43,7 @@ class Task:
 def task_table(camera: str) -> tuple[Task, ...]:
     """Every task of a service with one camera."""
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
+    obstacles = f"obstacles/{camera}"
     return (
         Task(
             "compile",
@@ -65,6 +67,13 @@ def task_table(camera: str) -> tuple[Task, ...]:
             trigger=frames,
             reads=("service", frames),
             writes=(sightings,),
+        ),
+        Task(
+            "obstacles",
+            "vision_core.tasks.obstacles",
+            trigger=frames,
+            reads=("service", frames, sightings),
+            writes=(obstacles,),
         ),
         Task(
             "serve",
@@ -95,6 +104,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task]) -> tuple[RecordSpec,
         records.frames(camera.name, camera.width_px, camera.height_px),
         records.source(camera.name).spec,
         records.sightings(camera.name).spec,
+        records.obstacles(camera.name).spec,
         records.WORLD.spec,
         records.VIEWS.spec,
         records.SERVING.spec,

@@ -60,6 +60,26 @@ class ObstacleSighting:
 
 
 @dataclass(frozen=True, slots=True)
+class Obstacles:
+    """What stands on the field and is nobody, in one frame; looked for less often than robots are."""
+
+    camera: str
+    frame_number: int
+    grabbed: Instant
+    obstacles: tuple[ObstacleSighting, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """Why nothing or too little is seen, in words; looked into less often than robots are."""
+
+    camera: str
+    frame_number: int
+    grabbed: Instant
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Sightings:
     """Everything seen in one frame. Balls: those between the lines first, then by confidence."""
 
