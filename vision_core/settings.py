@@ -111,7 +111,7 @@ class FieldSettings(Record, frozen=True):
     walls: Annotated[bool, Meta(description="walls are solid; without them the limit is virtual")]
     wall_height_m: Annotated[float, Meta(ge=0.0, le=1.0)]
     corner_cut_m: Annotated[float, Meta(ge=0.0, le=1.0)]
-    line_width_m: Annotated[float, Meta(gt=0.0, le=0.2)]
+    line_width_m: Annotated[float, Meta(ge=0.0, le=0.2, description="0: no lines are painted")]
     center_circle_radius_m: NotNegative
     penalty_depth_m: NotNegative
     penalty_width_m: NotNegative

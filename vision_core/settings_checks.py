@@ -39,6 +39,9 @@ def _colors(settings: Settings) -> Iterator[Violation]:
     for name, boxes in settings.colors.classes.items():
         for box in boxes:
             yield from _box(f"colors.classes.{name}", box, settings.colors.space)
+    low, high = settings.colors.light.band
+    if low >= high:
+        yield Violation("colors.light.band", f"[{low:g}, {high:g}]", "two shares, the lower one first")
     wanted = [("ball.color", settings.ball.color), *(("ball.surrounding", name) for name in settings.ball.surrounding)]
     for key, name in wanted:
         if name not in classes:

@@ -4,6 +4,7 @@ import numpy as np
 
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.clock import Clock, Instant, ManualClock
+from vision_core.color.light import Lighting
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.errors import SettingsError
 from vision_core.objects.ball import find_balls
@@ -40,6 +41,7 @@ class Perception:
             for first, other, count in self.table.disputed
         )
         self._camera = camera_model_from(settings)
+        self.lighting = Lighting(settings, self._camera)
         self._segmenter = Segmenter(settings.camera.width_px, settings.camera.height_px, settings.blobs)
 
     def warm_up(self) -> None:
@@ -47,16 +49,17 @@ class Perception:
         size = (self.settings.camera.height_px, self.settings.camera.width_px, 3)
         dark = ImageFrame(self.settings.camera.name, 0, Instant(0), np.zeros(size, dtype=np.uint8))
         self.perceive(dark, ManualClock())
+        self.lighting.warm_up()
 
     def perceive(self, frame: ImageFrame, clock: Clock) -> Sightings:
         """What a frame of the configured size shows, judged alone."""
         settings = self.settings
-        blobs = self._segmenter.segment(frame.pixels, self._searched)
+        pixels = self.lighting.lit(frame.pixels, frame.grabbed)
+        blobs = self._segmenter.segment(pixels, self._searched)
         robots, robot_reasons = find_robots(blobs, self.table, self._camera, self._marker, settings.robots)
-        balls, ball_reasons = find_balls(
-            blobs, self.table, frame.pixels, self._camera, robots, settings.ball, settings.field
-        )
+        balls, ball_reasons = find_balls(blobs, self.table, pixels, self._camera, robots, settings.ball, settings.field)
         overflow = () if blobs.complete else (OVERFLOW,)
+        light = (self.lighting.light.reason,) if self.lighting.light.reason else ()
         conflicts = () if robots and balls else self._conflicts
         return Sightings(
             camera=frame.camera,
@@ -65,5 +68,5 @@ class Perception:
             perceived=clock.now(),
             robots=robots,
             balls=balls,
-            reasons=(*overflow, *robot_reasons, *ball_reasons, *conflicts),
+            reasons=(*light, *overflow, *robot_reasons, *ball_reasons, *conflicts),
         )

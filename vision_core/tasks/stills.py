@@ -47,7 +47,8 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
     if draw is not None:
         overlay = draw_sightings(pixels, seen, camera_model_from(settings), settings)
         write_picture(draw / f"{file.stem}.png", overlay)
-        write_picture(draw / f"{file.stem}-classes.png", draw_classes(pixels, perception.table))
+        lit = perception.lighting.lit(pixels, Instant(0))
+        write_picture(draw / f"{file.stem}-classes.png", draw_classes(lit, perception.table))
     return {"file": str(file), **_as_table(seen)}
 
 

@@ -1,10 +1,31 @@
 """2. image -> color classes."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from vision_core.geometry import Bytes
+
+Levels: TypeAlias = tuple[float, float, float]
+"""Blue, green, red in grey levels, or a factor for each of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Light:
+    """How a picture's light differs from the one the colors were tuned in: venue = (pixel - black) * gain."""
+
+    black_bgr: Levels
+    """What the sensor says in the dark."""
+    gain_bgr: Levels
+    """1 for each channel where the light could not be judged."""
+    reason: str = ""
+    """Why it could not be judged; empty when it could."""
+
+    @property
+    def neutral(self) -> bool:
+        """Does it leave pictures as they are?"""
+        return self.black_bgr == (0.0, 0.0, 0.0) and self.gain_bgr == (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)

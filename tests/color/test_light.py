@@ -1,0 +1,170 @@
+"""Light: a picture in other light is what the venue's light would have shown, or the light says why not."""
+
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vision_core.clock import NS_PER_S, Instant
+from vision_core.color.light import (
+    SAMPLES_PER_SIDE,
+    Lighting,
+    Relighter,
+    field_samples,
+    light_of,
+    reference_of,
+    relight,
+    settled,
+    sums_by_level,
+)
+from vision_core.geometry import Bytes
+from vision_core.settings import LightSettings
+from vision_core.settings_files import load_settings
+from vision_core.settings_models import camera_model_from
+from vision_core.types.colors import Light
+
+SETTINGS = load_settings()
+CAMERA = camera_model_from(SETTINGS)
+SIZE = SETTINGS.camera.width_px, SETTINGS.camera.height_px
+SAMPLES = field_samples(CAMERA, SETTINGS.field, SIZE, 0.0)
+CARPET = np.array([70.0, 120.0, 60.0])
+ADAPT = LightSettings(
+    adapt=True,
+    black_bgr=(12.0, 14.0, 13.0),
+    band=(0.25, 0.75),
+    reference_bgr=(70.0, 120.0, 60.0),
+    white_balance=True,
+    beyond_m=0.0,
+)
+
+
+def scene(gain: tuple[float, float, float] = (1.0, 1.0, 1.0), seed: int = 1) -> Bytes:
+    """A carpet with noise and a few white things, in a light that makes up for gains."""
+    rng = np.random.default_rng(seed)
+    bgr = np.tile(CARPET, (SIZE[1], SIZE[0], 1))
+    bgr[200:230, 100:400] = 170.0
+    seen = bgr / np.array(gain) + np.array(ADAPT.black_bgr) + rng.normal(0.0, 2.0, bgr.shape)
+    picture: Bytes = np.clip(seen.round(), 0, 255).astype(np.uint8)
+    return picture
+
+
+def lighting(light: LightSettings = ADAPT) -> Lighting:
+    colors = msgspec.structs.replace(SETTINGS.colors, light=light)
+    return Lighting(msgspec.structs.replace(SETTINGS, colors=colors), CAMERA)
+
+
+def test_samples_lie_on_the_field_and_in_the_picture() -> None:
+    assert len(SAMPLES) == SAMPLES_PER_SIDE**2
+    assert (SAMPLES >= 0).all()
+    assert (np.array(SIZE) > SAMPLES).all()
+    points = CAMERA.field_from_pixel(SAMPLES.astype(np.float64))
+    half_length = SETTINGS.field.length_m / 2.0 + SETTINGS.field.margin_m
+    assert np.abs(points[:, 0]).max() <= half_length + 0.01
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.tuples(*[st.floats(0.6, 6.0)] * 3))
+def test_the_gains_of_a_known_light_are_found(gain: tuple[float, float, float]) -> None:
+    light = light_of(scene(gain), SAMPLES, ADAPT)
+    assert light.reason == ""
+    assert light.gain_bgr == pytest.approx(gain, rel=0.03)
+    assert light.black_bgr == ADAPT.black_bgr
+
+
+def test_one_gain_for_all_channels_keeps_their_relation() -> None:
+    together = msgspec.structs.replace(ADAPT, white_balance=False)
+    blue, green, red = light_of(scene((2.0, 2.0, 2.0)), SAMPLES, together).gain_bgr
+    assert blue == green == red == pytest.approx(2.0, rel=0.03)
+
+
+def test_a_band_takes_the_bright_things_of_a_dark_field() -> None:
+    share = ((SAMPLES[:, 1] >= 200) & (SAMPLES[:, 1] < 230) & (SAMPLES[:, 0] >= 100) & (SAMPLES[:, 0] < 400)).mean()
+    found, white = reference_of(scene(), SAMPLES, (1.0 - share * 0.9, 1.0))
+    assert np.array(found) - ADAPT.black_bgr == pytest.approx([170.0] * 3, abs=1.0)
+    assert white == 0.0
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(0.0, 0.9), st.floats(0.01, 0.1), st.integers(0, 99))
+def test_the_band_is_a_mean_of_sorted_samples(low: float, width: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    grey = rng.integers(0, 254, SIZE[::-1], dtype=np.uint8)
+    found, _ = reference_of(np.repeat(grey[..., None], 3, axis=2), SAMPLES, (low, low + width))
+    values = np.sort(grey[SAMPLES[:, 1], SAMPLES[:, 0]])
+    first, last = int(low * len(values)), int((low + width) * len(values))
+    assert found[0] == pytest.approx(values[first : last + 1].mean(), abs=0.6)
+
+
+@pytest.mark.parametrize(
+    ("picture", "word"),
+    [(np.zeros_like(scene()), "too dark"), (np.full_like(scene(), 255), "over-exposed")],
+)
+def test_what_cannot_be_judged_says_why_and_changes_nothing(picture: Bytes, word: str) -> None:
+    light = light_of(picture, SAMPLES, ADAPT)
+    assert word in light.reason
+    assert light.gain_bgr == (1.0, 1.0, 1.0)
+
+
+def test_too_few_samples_in_the_picture_are_named() -> None:
+    assert "100 of 4096 samples" in light_of(scene(), SAMPLES[:100], ADAPT).reason
+    assert "0 of 4096" in light_of(scene(), SAMPLES[:0], ADAPT).reason
+
+
+@settings(deadline=None)
+@given(st.tuples(*[st.floats(0.1, 8.0)] * 3), st.tuples(*[st.floats(0.0, 40.0)] * 3), st.integers(0, 9))
+def test_relit_is_the_formula(gain: tuple[float, float, float], black: tuple[float, float, float], seed: int) -> None:
+    pixels = np.random.default_rng(seed).integers(0, 256, (6, 10, 3), dtype=np.uint8)
+    lit = Relighter(10, 6).relit(pixels, Light(black, gain)).astype(np.int64)
+    exact = np.clip((pixels - np.array(black)) * np.array(gain), 0.0, 255.0)
+    below_white = pixels < 254
+    assert np.abs(lit - exact)[below_white].max() <= 1.1
+    assert (lit == pixels)[~below_white].all()
+
+
+def test_the_venues_own_light_costs_nothing() -> None:
+    pixels = scene()
+    assert Relighter(*SIZE).relit(pixels, Light((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))) is pixels
+    assert lighting(msgspec.structs.replace(ADAPT, adapt=False)).lit(pixels, Instant(0)) is pixels
+
+
+def test_a_dim_picture_looks_as_in_the_venues_light() -> None:
+    lit = lighting().lit(scene((3.0, 2.0, 2.5)), Instant(0))
+    assert np.median(lit[300:], axis=(0, 1)) == pytest.approx(CARPET, abs=2.0)
+    assert np.median(lit[205:225, 110:390], axis=(0, 1)) == pytest.approx([170.0] * 3, abs=4.0)
+
+
+def test_light_is_judged_once_a_second_and_for_every_still() -> None:
+    eyes = lighting()
+    eyes.lit(scene(), Instant(1))
+    before = eyes.light
+    eyes.lit(scene((2.0, 2.0, 2.0)), Instant(NS_PER_S))
+    assert eyes.light is before
+    eyes.lit(scene((2.0, 2.0, 2.0)), Instant(NS_PER_S + 1))
+    assert eyes.light.gain_bgr[0] == pytest.approx(2.0, rel=0.03)
+    eyes.lit(scene(), Instant(NS_PER_S + 1))
+    assert eyes.light.gain_bgr[0] == pytest.approx(1.0, rel=0.03)
+
+
+def test_a_flicker_moves_nothing_and_a_covered_lens_keeps_the_last_gains() -> None:
+    black = (0.0, 0.0, 0.0)
+    last = Light(black, (2.0, 2.0, 2.0))
+    assert settled(last, Light(black, (2.02, 2.0, 1.99)), fresh=False) is last
+    moved = Light(black, (2.2, 2.0, 2.0))
+    assert settled(last, moved, fresh=False) is moved
+    covered = Light(black, (1.0, 1.0, 1.0), "light: too dark")
+    assert settled(last, covered, fresh=False) == Light(black, (2.0, 2.0, 2.0), "light: too dark")
+    assert settled(last, covered, fresh=True) is covered
+
+
+def test_each_kernel_is_compiled_once() -> None:
+    eyes = lighting()
+    eyes.warm_up()
+    writable, fixed = scene(), scene()
+    fixed.setflags(write=False)
+    for pixels in (writable, fixed):
+        eyes.lit(pixels, Instant(0))
+    kernels: list[Any] = [relight, sums_by_level]
+    assert [len(kernel.signatures) for kernel in kernels] == [1, 1]
