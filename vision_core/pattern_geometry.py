@@ -1,0 +1,259 @@
+"""Plane geometry of a marker's patches: colored circles and polygons, in robot space, millimetres.
+
+Every question is answered from one function, the signed depth of points in a patch: what lies inside, how far
+two patches are apart, whether a turned patch is another one.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.geometry import Floats, rotation
+
+Mask: TypeAlias = NDArray[np.bool_]
+Polygon: TypeAlias = Sequence[tuple[float, float]]
+"""Corners, of which the last is the first."""
+
+SAME_MM = 2.0
+"""Edges nearer than this are one to a camera."""
+GRID_MM, GRID_STEPS = 0.5, 250
+"""Points inside of patches: so near to each other, but at most so many along a side."""
+RIM_POINTS = 48
+"""Of a circle."""
+
+
+class Shape(Protocol):
+    """A circle (center x, y, diameter) or a closed polygon; exactly one of them."""
+
+    @property
+    def circle_mm(self) -> tuple[float, float, float] | None: ...
+    @property
+    def polygon_mm(self) -> Polygon | None: ...
+
+
+def area_mm2(shape: Shape) -> float:
+    """How much paper it is."""
+    if shape.circle_mm is not None:
+        return math.pi * (shape.circle_mm[2] / 2.0) ** 2
+    return abs(_signed_area(_corners(shape)))
+
+
+def centroid_mm(shape: Shape) -> tuple[float, float]:
+    """Where the center of its blob is."""
+    if shape.circle_mm is not None:
+        return shape.circle_mm[:2]
+    corners = _corners(shape)
+    start, end = corners[:-1], corners[1:]
+    weights = start[:, 0] * end[:, 1] - end[:, 0] * start[:, 1]
+    x, y = ((start + end) * weights[:, None]).sum(axis=0) / (6.0 * _signed_area(corners))
+    return float(x), float(y)
+
+
+def middle_mm(shapes: Sequence[Shape]) -> tuple[float, float]:
+    """Center of area of all patches together."""
+    areas = np.array([area_mm2(shape) for shape in shapes])
+    x, y = areas @ np.array([centroid_mm(shape) for shape in shapes]) / areas.sum()
+    return float(x), float(y)
+
+
+def depth_mm(shape: Shape, points_mm: Floats) -> Floats:
+    """How far points, shape (n, 2), lie inside: the distance to the nearest edge, negative outside; shape (n,)."""
+    if shape.circle_mm is not None:
+        x, y, diameter = shape.circle_mm
+        from_center: Floats = np.hypot(points_mm[:, 0] - x, points_mm[:, 1] - y)
+        return diameter / 2.0 - from_center
+    corners = _corners(shape)
+    start, side = corners[:-1], np.diff(corners, axis=0)
+    arm = points_mm[:, None] - start
+    length2 = np.maximum((side**2).sum(axis=1), 1e-12)
+    along = np.clip((arm * side).sum(axis=2) / length2, 0.0, 1.0)
+    gap = arm - along[..., None] * side
+    edge: Floats = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1)
+    return np.where(_inside(corners, points_mm), edge, -edge)
+
+
+def contains(shape: Shape, points_mm: Floats) -> Mask:
+    """Which points, shape (n, 2), lie in it; shape (n,)."""
+    return np.asarray(depth_mm(shape, points_mm) > 0.0)
+
+
+def rim_mm(shape: Shape, step_mm: float = SAME_MM) -> Floats:
+    """Points of its edge, corners included, nearer to each other than a step; shape (n, 2)."""
+    if shape.circle_mm is not None:
+        x, y, diameter = shape.circle_mm
+        turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
+        return np.array([x, y]) + diameter / 2.0 * np.column_stack([np.cos(turns), np.sin(turns)])
+    corners = _corners(shape)
+    pieces = []
+    for start, end in pairwise(corners):
+        count = max(1, math.ceil(math.dist(start, end) / step_mm))
+        pieces.append(start + np.arange(count)[:, None] / count * (end - start))
+    return np.concatenate(pieces)
+
+
+def box_mm(shape: Shape) -> tuple[Floats, Floats]:
+    """Its lower left and upper right corner, shape (2,) each."""
+    if shape.circle_mm is not None:
+        x, y, diameter = shape.circle_mm
+        center = np.array([x, y])
+        return center - diameter / 2.0, center + diameter / 2.0
+    corners = _corners(shape)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def inner_points_mm(shape: Shape) -> Floats:
+    """An even grid of points in it; shape (n, 2), empty for a sliver."""
+    low, high = box_mm(shape)
+    step = max(GRID_MM, float((high - low).max()) / GRID_STEPS)
+    axes = [np.arange(first + step / 2.0, last, step) for first, last in zip(low, high, strict=True)]
+    x, y = np.meshgrid(*axes)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    return points[contains(shape, points)]
+
+
+def width_mm(shape: Shape) -> float:
+    """Diameter of the largest disc that fits into it: what a camera must resolve."""
+    if shape.circle_mm is not None:
+        return shape.circle_mm[2]
+    points = inner_points_mm(shape)
+    return 2.0 * float(depth_mm(shape, points).max()) if len(points) else 0.0
+
+
+def overlap_mm(shape: Shape, other: Shape) -> float:
+    """How wide what two patches share is; 0 when they touch or are apart."""
+    (low, high), (other_low, other_high) = box_mm(shape), box_mm(other)
+    if (high <= other_low).any() or (other_high <= low).any():
+        return 0.0
+    points = inner_points_mm(shape)
+    if not len(points):
+        return 0.0
+    depth = np.minimum(depth_mm(shape, points), depth_mm(other, points))
+    return max(0.0, 2.0 * float(depth.max()))
+
+
+def gap_mm(shape: Shape, other: Shape) -> float:
+    """The way from one patch to another; 0 when they touch."""
+    nearest = max(float(depth_mm(shape, rim_mm(other)).max()), float(depth_mm(other, rim_mm(shape)).max()))
+    return max(0.0, -nearest)
+
+
+def reach_mm(shape: Shape, outline: str) -> float:
+    """How far it reaches from the robot's center: half the side of the upright square round it, or a radius."""
+    if shape.circle_mm is not None:
+        x, y, diameter = shape.circle_mm
+        return diameter / 2.0 + (max(abs(x), abs(y)) if outline == "square" else math.hypot(x, y))
+    corners = _corners(shape)
+    return float(np.abs(corners).max() if outline == "square" else np.hypot(corners[:, 0], corners[:, 1]).max())
+
+
+def crosses_itself(corners_mm: Polygon) -> bool:
+    """Do two sides of a closed polygon meet anywhere but in the corner that they share?"""
+    sides = list(pairwise(corners_mm))
+    for i, side in enumerate(sides):
+        for j in range(i + 1, len(sides)):
+            neighbors = j == i + 1 or (i == 0 and j == len(sides) - 1)
+            if _folds_back(side, sides[j]) if neighbors else _meet(*side, *sides[j]):
+                return True
+    return False
+
+
+def turns_onto_itself(shapes: Sequence[Shape]) -> list[tuple[float, list[int]]]:
+    """Turns [rad] that lay a set of patches on itself: with each, where every patch then lies. No turn comes first.
+
+    A camera does not know where the robot's center is: patches turn round their common middle. Discs round
+    one point stay where they are under any turn; half a turn stands for all of them.
+    """
+    middle = np.array(middle_mm(shapes))
+    found = [(0.0, list(range(len(shapes))))]
+    for turn in _candidate_turns(shapes, middle):
+        places = [_place_of(shape, turn, middle, shapes) for shape in shapes]
+        if None not in places:
+            found.append((turn, [place for place in places if place is not None]))
+    return found
+
+
+def turned_mm(points_mm: Floats, turn_rad: float, middle_mm: Floats) -> Floats:
+    """Points, shape (n, 2), turned anticlockwise round another."""
+    turned: Floats = (points_mm - middle_mm) @ rotation(turn_rad).T + middle_mm
+    return turned
+
+
+def misfit_mm(shape: Shape, other: Shape, turn_rad: float, middle: Floats) -> float:
+    """How far the edge of one patch, turned round a point, is off that of another, at most."""
+    there = np.abs(depth_mm(other, turned_mm(rim_mm(shape), turn_rad, middle))).max()
+    back = np.abs(depth_mm(shape, turned_mm(rim_mm(other), -turn_rad, middle))).max()
+    return float(max(there, back))
+
+
+def _candidate_turns(shapes: Sequence[Shape], middle: Floats) -> list[float]:
+    """Turns that lay some landmark on another one: patch centers, or corners when all patches share one center."""
+    landmarks = np.array([centroid_mm(shape) for shape in shapes]) - middle
+    if np.hypot(*landmarks.T).max() < SAME_MM:
+        corners = [_corners(shape) for shape in shapes if shape.polygon_mm is not None]
+        if not corners:
+            return [math.pi]
+        landmarks = np.concatenate(corners) - middle
+    radii, bearings = np.hypot(*landmarks.T), np.arctan2(landmarks[:, 1], landmarks[:, 0])
+    first = int(np.argmax(radii))
+    turns = (bearings[np.abs(radii - radii[first]) < SAME_MM] - bearings[first]) % math.tau
+    least = SAME_MM / radii[first]
+    return sorted({round(turn, 6) for turn in turns.tolist() if least < turn < math.tau - least})
+
+
+def _place_of(shape: Shape, turn: float, middle: Floats, shapes: Sequence[Shape]) -> int | None:
+    misfits = [misfit_mm(shape, other, turn, middle) for other in shapes]
+    best = int(np.argmin(misfits))
+    return best if misfits[best] < SAME_MM else None
+
+
+def _corners(shape: Shape) -> Floats:
+    assert shape.polygon_mm is not None
+    return np.array(shape.polygon_mm, dtype=np.float64)
+
+
+def _signed_area(corners: Floats) -> float:
+    start, end = corners[:-1], corners[1:]
+    return float((start[:, 0] * end[:, 1] - end[:, 0] * start[:, 1]).sum() / 2.0)
+
+
+def _inside(corners: Floats, points: Floats) -> Mask:
+    """By counting the sides that a ray to the right meets."""
+    (x1, y1), (x2, y2) = corners[:-1].T, corners[1:].T
+    x, y = points[:, :1], points[:, 1:]
+    spans = (y1 > y) != (y2 > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = x1 + (y - y1) * (x2 - x1) / (y2 - y1)
+    return np.asarray((spans & (x < crossing)).sum(axis=1) % 2 == 1)
+
+
+Point = tuple[float, float]
+
+
+def _side_of(a: Point, b: Point, c: Point) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _on(a: Point, b: Point, c: Point) -> bool:
+    """Does c, on the line through a and b, lie between them?"""
+    return min(a[0], b[0]) <= c[0] <= max(a[0], b[0]) and min(a[1], b[1]) <= c[1] <= max(a[1], b[1])
+
+
+def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Do two segments share a point?"""
+    ca, cb, ac, ad = _side_of(c, d, a), _side_of(c, d, b), _side_of(a, b, c), _side_of(a, b, d)
+    if ca * cb < 0.0 and ac * ad < 0.0:
+        return True
+    ends = ((ac, a, b, c), (ad, a, b, d), (ca, c, d, a), (cb, c, d, b))
+    return any(side == 0.0 and _on(start, end, point) for side, start, end, point in ends)
+
+
+def _folds_back(side: tuple[Point, Point], following: tuple[Point, Point]) -> bool:
+    """Do two sides with a common corner run over each other?"""
+    (a, b), (c, d) = side, following
+    start, corner, end = (a, b, d) if b == c else (b, a, c)
+    back = (start[0] - corner[0]) * (end[0] - corner[0]) + (start[1] - corner[1]) * (end[1] - corner[1])
+    return _side_of(start, corner, end) == 0.0 and back >= 0.0
