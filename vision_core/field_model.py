@@ -62,6 +62,8 @@ def is_accepted(field: FieldSettings, x_m: float, y_m: float) -> bool:
 
 def field_lines(field: FieldSettings) -> tuple[tuple[Line, ...], tuple[Arc, ...]]:
     """The painted lines (their middles) and arcs."""
+    if not field.line_width_m:
+        return (), ()
     inset = field.line_width_m / 2.0
     x, y = field.length_m / 2.0 - inset, field.width_m / 2.0 - inset
     lines: list[Line] = [(-x, -y, x, -y), (-x, y, x, y), (-x, -y, -x, y), (x, -y, x, y), (0.0, -y, 0.0, y)]

@@ -1,0 +1,42 @@
+"""What is wrong with a picture's light is said; a good picture is not blamed."""
+
+import numpy as np
+import pytest
+
+from vision_core.regions.exposure import exposure_reasons, field_pixels
+from vision_core.settings_files import load_settings
+from vision_core.settings_models import camera_model_from
+
+SETTINGS = load_settings()
+SIZE = (SETTINGS.camera.width_px, SETTINGS.camera.height_px)
+POINTS = field_pixels(SETTINGS.field, camera_model_from(SETTINGS), SIZE)
+
+
+def picture(carpet: float, paint: float, painted: float = 0.02) -> np.ndarray:
+    random = np.random.default_rng(3)
+    grey = np.where(random.random((SIZE[1], SIZE[0])) < painted, paint, carpet) + random.normal(0.0, 3.0, SIZE[::-1])
+    return np.repeat(np.clip(grey, 0.0, 255.0).astype(np.uint8)[..., None], 3, axis=2)
+
+
+def test_good_light_is_not_blamed() -> None:
+    for carpet, paint in ((80.0, 200.0), (20.0, 140.0), (120.0, 255.0)):
+        assert exposure_reasons(picture(carpet, paint), POINTS) == ()
+
+
+@pytest.mark.parametrize(
+    ("pixels", "said"),
+    [
+        (picture(5.0, 12.0), "black"),
+        (picture(30.0, 70.0), "too dark"),
+        (picture(200.0, 255.0, 0.3), "over-exposed: 27%"),
+        (np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8), "same color"),
+    ],
+)
+def test_bad_light_is_named(pixels: np.ndarray, said: str) -> None:
+    (reason,) = exposure_reasons(pixels, POINTS)
+    assert said in reason
+
+
+def test_a_camera_that_looks_elsewhere_is_named() -> None:
+    (reason,) = exposure_reasons(picture(80.0, 200.0), np.empty((0, 2)))
+    assert "nothing of the field" in reason
