@@ -85,6 +85,9 @@ def fitted_circle(
     pixels: Bytes, x_px: float, y_px: float, radius_px: float, memory: Floats
 ) -> tuple[float, float, float, int]:
     """As ``refined_circle``, and the number of sectors that the circle goes through; 0 when not refined."""
+    height, width, _ = pixels.shape
+    if not (0.0 < radius_px < width and 0.0 <= x_px < width and 0.0 <= y_px < height):
+        return x_px, y_px, UNREFINED_SD * max(radius_px, 1.0), 0
     _unmix(pixels, x_px, y_px, radius_px, memory)
     _measure_rim(pixels, x_px, y_px, radius_px, memory)
     dx, dy, sd, used = _fit(radius_px, memory)
@@ -167,16 +170,16 @@ def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Float
     for k in range(SECTORS):
         memory[k, PIXELS] = memory[k, SHARES] = memory[k, RIM_X] = memory[k, RIM_Y] = 0.0
     outer, inner = radius + BAND_PX, max(radius - BAND_PX, 0.0)
-    for v in range(max(int(math.ceil(y - outer)), 0), min(int(y + outer) + 1, height)):
+    for v in range(max(math.ceil(y - outer), 0), min(int(y + outer) + 1, height)):
         dy = v - y
         reach = math.sqrt(max(outer * outer - dy * dy, 0.0))
         hole = math.sqrt(max(inner * inner - dy * dy, 0.0))
         last = min(int(x + reach) + 1, width)
-        u = max(int(math.ceil(x - reach)), 0)
+        u = max(math.ceil(x - reach), 0)
         while u < last:
             dx = u - x
             if abs(dx) < hole:
-                u = int(math.ceil(x + hole))
+                u = max(math.ceil(x + hole), u + 1)
                 continue
             rho = max(math.sqrt(dx * dx + dy * dy), 1e-9)
             k = _sector(dx, dy)
@@ -204,10 +207,10 @@ def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Float
 def _sector(dx: float, dy: float) -> int:
     """Which sixteenth of the full turn a direction lies in, as ``_NORMALS`` counts."""
     across, along = abs(dx), abs(dy)
-    if along <= across:
-        k = 0 if along < across * _EIGHTH else 1
-    else:
-        k = 3 if across < along * _EIGHTH else 2
+    steep = along > across
+    less, more = (across, along) if steep else (along, across)
+    nearer = less < more * _EIGHTH  # to the axis
+    k = (3 if nearer else 2) if steep else (0 if nearer else 1)
     if dx < 0.0:
         k = 7 - k
     return 15 - k if dy < 0.0 else k
