@@ -200,6 +200,10 @@ class RobotSettings(RobotShape, frozen=True):
     max_area: Annotated[float, Meta(gt=0.0)]
     dot_tolerance_m: Annotated[float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place")]
     min_confidence: Share
+    circle_floor_px: Annotated[
+        float, Meta(ge=0.001, le=5.0, description="what the fit of a circle does not know of its center's deviation")
+    ]
+    polygon_floor_px: Annotated[float, Meta(ge=0.001, le=5.0, description="deviation of the center of another patch")]
     blue: TeamRobotSettings | None = None
     yellow: TeamRobotSettings | None = None
 
