@@ -49,6 +49,11 @@ def read_picture(path: Path) -> Bytes:
     return cast("Bytes", image)
 
 
+def ycc_picture(image: Bytes) -> Bytes:
+    """Luma, Cb, Cr (ITU-R BT.601, full range, 128 for no chroma) of a picture: same shape."""
+    return cast("Bytes", cv2.cvtColor(image, cv2.COLOR_BGR2YCrCb)[..., (0, 2, 1)])
+
+
 def write_picture(path: Path, image: Bytes) -> None:
     """Save a picture in the format that the file's ending names. Raises SourceError."""
     try:

@@ -165,7 +165,10 @@ LIGHT_AS_IT_IS = LightSettings(
 class ColorSettings(Record, frozen=True):
     """Color classes. A class is one box or several; where two claim a color, the one listed first wins."""
 
-    space: Annotated[Literal["hsv", "ymp"], Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase")]
+    space: Annotated[
+        Literal["hsv", "ymp", "ec"],
+        Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase; ec: luma, hue, saturation"),
+    ]
     classes: dict[str, tuple[ColorRange, ...]]
     light: LightSettings = LIGHT_AS_IT_IS
 

@@ -9,7 +9,11 @@ from vision_core.mirror_model import check_span
 from vision_core.settings import ColorRange, HomographySettings, Settings
 from vision_core.settings_models import camera_model_from, mirror_from
 
-SPACE_KEYS = {"hsv": {"hue_deg", "saturation", "value"}, "ymp": {"luma", "module", "phase_deg"}}
+SPACE_KEYS = {
+    "hsv": {"hue_deg", "saturation", "value"},
+    "ymp": {"luma", "module", "phase_deg"},
+    "ec": {"luma", "hue_deg", "saturation"},
+}
 ANGLES = {"hue_deg", "phase_deg"}
 MOST_CLASSES = 31
 LETTERS_PER_TEAM = 16

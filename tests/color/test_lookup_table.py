@@ -44,6 +44,12 @@ def test_every_cell_is_what_its_boxes_say() -> None:
     assert ("red", "warm", int((red & warm).sum())) in table.disputed
 
 
+def test_a_hue_of_the_ecimage_claims_no_greys() -> None:
+    table = compile_color_table(ColorSettings(space="ec", classes={"any": (ColorRange(hue_deg=(0.0, 360.0)),)}))
+    module = ymp_from_bgr(cell_centers())[:, 1]
+    assert ((table.classes == 1) == (module >= 6.0)).all()
+
+
 def test_order_of_classes_decides_disputes() -> None:
     box = (ColorRange(luma=(100.0, 150.0)),)
     table = compile_color_table(ColorSettings(space="ymp", classes={"first": box, "second": box}))

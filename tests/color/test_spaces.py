@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
+from vision_core.color.spaces import CHROMA, bgr_from_ycc, ec_from_bgr, hsv_from_bgr, polar, ycc_from_bgr, ymp_from_bgr
 from vision_core.geometry import Floats
 
 
@@ -46,3 +46,28 @@ def test_darkening_changes_neither_hue_nor_phase() -> None:
     bright = np.array([[40.0, 120.0, 240.0]])
     assert hsv_from_bgr(bright / 3)[0, 0] == pytest.approx(hsv_from_bgr(bright)[0, 0])
     assert ymp_from_bgr(bright / 3)[0, 2] == pytest.approx(ymp_from_bgr(bright)[0, 2])
+
+
+def test_ec_is_the_hue_of_ymp_and_its_module_over_luma(bgr: Floats) -> None:
+    for (luma, module, phase), (y, hue, saturation) in zip(ymp_from_bgr(bgr), ec_from_bgr(bgr), strict=True):
+        assert y == luma
+        assert math.isnan(hue) if module < 6.0 else hue == phase
+        assert saturation == pytest.approx(min(module / max(luma, 16.0), 1.0))
+
+
+def test_ec_of_black_is_finite_and_of_no_color() -> None:
+    assert ec_from_bgr([[0, 0, 0]])[0, [0, 2]].tolist() == [0.0, 0.0]
+    assert math.isnan(ec_from_bgr([[2, 0, 1]])[0, 1])
+
+
+def test_the_chroma_table_is_the_polar_form_in_bytes() -> None:
+    cb, cr = np.meshgrid(np.arange(-128.0, 128.0), np.arange(-128.0, 128.0), indexing="ij")
+    module, phase = polar(cb, cr)
+    assert np.abs(CHROMA[..., 0] - module).max() <= 0.5
+    turned = (CHROMA[..., 1] * (360.0 / 256.0) - phase + 180.0) % 360.0 - 180.0
+    assert np.abs(turned).max() <= 180.0 / 256.0 + 1e-9
+    assert CHROMA[128, 128].tolist() == [0, 0]
+
+
+def test_ycc_and_back(bgr: Floats) -> None:
+    assert bgr_from_ycc(ycc_from_bgr(bgr)) == pytest.approx(bgr, abs=1e-9)

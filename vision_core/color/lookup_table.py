@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
+from vision_core.color.spaces import ec_from_bgr, hsv_from_bgr, ymp_from_bgr
 from vision_core.geometry import Floats, frozen
 from vision_core.settings import ColorRange, ColorSettings
 from vision_core.types.colors import ColorTable
@@ -15,6 +15,7 @@ from vision_core.types.colors import ColorTable
 CELLS = 1 << 16
 SPACES = {
     "hsv": (hsv_from_bgr, ("hue_deg", "saturation", "value")),
+    "ec": (ec_from_bgr, ("luma", "hue_deg", "saturation")),
     "ymp": (ymp_from_bgr, ("luma", "module", "phase_deg")),
 }
 

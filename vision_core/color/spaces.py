@@ -1,12 +1,19 @@
-"""Color spaces that keep light apart from color. All functions map rows of shape (n, 3), blue green red
-in 0..255, to rows of shape (n, 3)."""
+"""Color spaces that keep light apart from color, in one place.
+
+The functions map rows of shape (n, 3), blue green red in 0..255, to rows of shape (n, 3). YMP and the ECImage
+both are polar forms of the chroma (Cb, Cr): ``polar`` defines them, ``CHROMA`` tabulates it for whole pictures.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vision_core.geometry import Floats
+from vision_core.geometry import Bytes, Floats, frozen
 
 GREY_LEVELS = 255.0
+DARKEST_LUMA = 16.0
+"""Below, a ratio to the luma tells of noise; at 0 it would be infinite."""
+FAINTEST_MODULE = 6.0
+"""Below, rounding and noise turn the hue about."""
 
 
 def hsv_from_bgr(bgr: ArrayLike) -> Floats:
@@ -37,11 +44,54 @@ def ymp_from_bgr(bgr: ArrayLike) -> Floats:
     The module does not grow when a color darkens towards black, as the saturation of HSV does.
     Greys have module 0 and phase 0, so bound the module wherever you bound the phase.
     """
+    luma, cb, cr = ycc_from_bgr(bgr).T
+    return np.column_stack([luma, *polar(cb, cr)])
+
+
+def ec_from_bgr(bgr: ArrayLike) -> Floats:
+    """Luma [0..255], hue [deg, 0 <= h < 360] and saturation [0..1] of B-Human's ECImage.
+
+    The hue is the angle of (Cb, Cr), not a number where the chroma is too faint to have one. The saturation is
+    |(Cb, Cr)| / luma, which keeps black and white apart from colors in every light; at most 1, and under a luma of
+    16 as if the luma were 16.
+    Source: B-Human team report, "Image format and color spaces".
+    """
+    luma, cb, cr = ycc_from_bgr(bgr).T
+    module, phase = polar(cb, cr)
+    hue = np.where(module >= FAINTEST_MODULE, phase, np.nan)
+    return np.column_stack([luma, hue, np.minimum(module / np.maximum(luma, DARKEST_LUMA), 1.0)])
+
+
+def ycc_from_bgr(bgr: ArrayLike) -> Floats:
+    """Luma [0..255] and the chroma Cb, Cr [-127.5..127.5] of ITU-R BT.601, full range."""
     blue, green, red = _channels(bgr)
     luma = 0.299 * red + 0.587 * green + 0.114 * blue
     cb = (blue - luma) * (0.5 / (1.0 - 0.114))
     cr = (red - luma) * (0.5 / (1.0 - 0.299))
-    return np.column_stack([luma, np.hypot(cb, cr), np.degrees(np.arctan2(cr, cb)) % 360.0])
+    return np.column_stack([luma, cb, cr])
+
+
+def bgr_from_ycc(ycc: Floats) -> Floats:
+    """The way back, not clipped: rows of luma, Cb, Cr -> rows of blue green red."""
+    luma, cb, cr = ycc.T
+    blue, red = luma + 1.772 * cb, luma + 1.402 * cr
+    return np.column_stack([blue, (luma - 0.114 * blue - 0.299 * red) / 0.587, red])
+
+
+def polar(cb: Floats, cr: Floats) -> tuple[Floats, Floats]:
+    """Module and phase [deg, 0 <= p < 360] of chromas, of their shape."""
+    return np.hypot(cb, cr), np.degrees(np.arctan2(cr, cb)) % 360.0
+
+
+def _chroma_table() -> Bytes:
+    levels = np.arange(256.0) - 128.0
+    module, phase = polar(levels[:, None], levels[None, :])
+    return frozen(np.stack([module.round(), (phase * (256.0 / 360.0)).round() % 256.0], axis=-1).astype(np.uint8))
+
+
+CHROMA = _chroma_table()
+"""Module [0..181] and phase [256ths of a turn] of every (Cb, Cr) as a camera gives them, with 128 for no chroma:
+shape (256, 256, 2)."""
 
 
 def _channels(bgr: ArrayLike) -> Floats:

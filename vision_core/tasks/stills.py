@@ -6,6 +6,7 @@ from pathlib import Path
 import msgspec
 
 from vision_core.clock import Instant, MonotonicClock
+from vision_core.color.pictures import axis_pictures
 from vision_core.errors import PslvError, SourceError
 from vision_core.opencv import read_picture, write_picture
 from vision_core.settings import Settings
@@ -21,7 +22,8 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
 
     A picture that cannot be read or has not the camera's size gives ``{"file", "error"}``, and the rest
     go on. draw: folder for overlays, made when it is not there: NAME.png shows what was
-    found and where the field's lines are thought, NAME-classes.png the color class of every pixel.
+    found and where the field's lines are thought, NAME-classes.png the color class of every pixel, and two
+    more the color space's hue and how colored each pixel is.
     Raises SettingsError when the settings name no usable pattern, SourceError when the folder cannot be made.
     """
     perception = Perception(settings)
@@ -49,6 +51,8 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
         write_picture(draw / f"{file.stem}.png", overlay)
         lit = perception.lighting.lit(pixels, Instant(0))
         write_picture(draw / f"{file.stem}-classes.png", draw_classes(lit, perception.table))
+        for axis, picture in axis_pictures(lit, settings.colors.space).items():
+            write_picture(draw / f"{file.stem}-{axis}.png", picture)
     return {"file": str(file), **_as_table(seen)}
 
 
