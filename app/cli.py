@@ -1,4 +1,4 @@
-"""The command line and composition root: ``pslv serve | client | detect | config``."""
+"""The command line and composition root: ``pslv serve | client | detect | evaluate | config``."""
 
 import contextlib
 import json
@@ -14,7 +14,9 @@ from rich.console import Console
 from rich.status import Status
 
 from app import __version__
+from app.commands import evaluate
 from app.commands.bench import bench
+from app.commands.options import ConfigFile, Venue
 from vision_core.errors import PslvError
 
 app = typer.Typer(
@@ -22,15 +24,9 @@ app = typer.Typer(
 )
 config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
+app.command()(evaluate.evaluate)
 app.command()(bench)
 console = Console(stderr=True, highlight=False)
-
-Venue = Annotated[
-    str | None, typer.Option(envvar="PSLV_VENUE", help="A venue: a name of config/venues, or a .toml file.")
-]
-ConfigFile = Annotated[
-    Path | None, typer.Option("--config", envvar="PSLV_CONFIG", help="A further file of settings, over the venue.")
-]
 
 
 def run() -> None:

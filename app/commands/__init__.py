@@ -1,1 +1,1 @@
-"""Groups of commands that are more than a line; ``app.cli`` registers them."""
+"""Commands of ``pslv`` that are more than a few lines; ``app.cli`` registers them."""

@@ -1,0 +1,80 @@
+"""``pslv evaluate``: how much of what pictures show is found."""
+
+import json
+from collections.abc import Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from app.commands.options import ConfigFile, Venue
+from vision_core.errors import SourceError
+
+if TYPE_CHECKING:
+    from vision_core.tasks.evaluate import PictureScore, Score
+
+
+def evaluate(
+    truth: Annotated[Path, typer.Argument(help="JSON file; its pictures lie relative to it.")],
+    venue: Venue = None,
+    config: ConfigFile = None,
+    tolerance: Annotated[float, typer.Option(min=0.1, help="Largest distance of a right one [px].")] = 15.0,
+    only: Annotated[str | None, typer.Option(help="Pictures whose names match: '30.01*'.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="The sums as one line of JSON.")] = False,
+    draw: Annotated[Path | None, typer.Option(help="Folder for overlays with misses marked.")] = None,
+) -> None:
+    """Score what is found in pictures against their truth: recall, precision and distance of robots and balls."""
+    from vision_core.settings_files import load_settings
+    from vision_core.tasks.evaluate import evaluate as score_all
+    from vision_core.tasks.evaluate import total
+    from vision_core.tasks.truth_files import load_truth
+
+    settings = load_settings(venue, config)
+    pictures = load_truth(truth)
+    chosen = [picture for picture in pictures if only is None or fnmatch(picture.file.name, only)]
+    if not chosen:
+        names = ", ".join(picture.file.name for picture in pictures[:5])
+        raise SourceError(f"--only {only}", found="no picture of this name", accepted=f"names as {names}")
+    console = Console(stderr=True, highlight=False)
+    scoring = score_all(chosen, settings, tolerance, draw)
+    scores = list(track(scoring, total=len(chosen), console=console, transient=True, disable=not console.is_terminal))
+    sums = total(scores)
+    if as_json:
+        typer.echo(json.dumps(sums))
+    else:
+        _print(scores, sums)
+
+
+def _print(scores: Sequence["PictureScore"], sums: dict[str, Any]) -> None:
+    out = Console(highlight=False)
+    table = Table("picture", "robots", "balls", "missed", "false", "what was said", expand=False)
+    for score in scores:
+        table.add_row(
+            score.file.name,
+            _share(score.robots),
+            _share(score.balls),
+            _places(score.missed),
+            _places(score.false),
+            "\n".join(score.reasons) if score.missed or score.false else "",
+        )
+    out.print(table)
+    for kind in ("robots", "balls", "all"):
+        recall, precision, rms = (_number(sums[kind][key]) for key in ("recall", "precision", "rms_px"))
+        out.print(f"{kind:7} recall {recall}  precision {precision}  rms {rms} px  n {sums[kind]['n']}")
+    out.print(f"wrong ids: {sums['wrong_id']}")
+
+
+def _share(score: "Score") -> str:
+    return f"{score.hits}/{score.true}"
+
+
+def _places(things: list[tuple[str, float, float]]) -> str:
+    return "\n".join(f"{name} ({x:.0f}, {y:.0f})" for name, x, y in things)
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
