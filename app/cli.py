@@ -16,6 +16,7 @@ from rich.status import Status
 from app import __version__
 from app.commands import evaluate
 from app.commands.bench import bench
+from app.commands.colors import colors_app
 from app.commands.options import ConfigFile, Venue
 from vision_core.errors import PslvError
 
@@ -24,6 +25,7 @@ app = typer.Typer(
 )
 config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
+app.add_typer(colors_app, name="colors")
 app.command()(evaluate.evaluate)
 app.command()(bench)
 console = Console(stderr=True, highlight=False)

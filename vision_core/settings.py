@@ -19,6 +19,7 @@ NotNegative = Annotated[float, Meta(ge=0.0, le=1e6)]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 Degrees = Annotated[float, Meta(ge=-360.0, le=720.0)]
 Level = Annotated[float, Meta(ge=0.0, le=255.0)]
+HexColor = Annotated[str, Meta(pattern="^#[0-9a-fA-F]{6}$", description="#rrggbb")]
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 
@@ -152,6 +153,13 @@ class LightSettings(Record, frozen=True):
     beyond_m: Annotated[float, Meta(ge=-1.0, le=1.0, description="samples reach so far beyond the walls or limits")]
 
 
+class SamplingSettings(Record, frozen=True):
+    """How far a sample's color reaches, in levels of the chroma."""
+
+    tolerance: Annotated[float, Meta(gt=0.0, le=255.0, description="farther from all samples a color is of no class")]
+    luma_weight: Annotated[float, Meta(ge=0.0, le=4.0, description="what a level of luma counts beside one of chroma")]
+
+
 LIGHT_AS_IT_IS = LightSettings(
     adapt=False,
     black_bgr=(0.0, 0.0, 0.0),
@@ -170,6 +178,8 @@ class ColorSettings(Record, frozen=True):
         Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase; ec: luma, hue, saturation"),
     ]
     classes: dict[str, tuple[ColorRange, ...]]
+    samples: dict[str, tuple[HexColor, ...]] = {}
+    sampling: SamplingSettings = SamplingSettings(tolerance=20.0, luma_weight=0.3)
     light: LightSettings = LIGHT_AS_IT_IS
 
 

@@ -37,7 +37,10 @@ def check_settings(settings: Settings, file_of: Callable[[str], str]) -> None:
 
 
 def _colors(settings: Settings) -> Iterator[Violation]:
-    classes = list(settings.colors.classes)
+    samples = settings.colors.samples
+    classes = [*settings.colors.classes, *(name for name in samples if name != "none")]
+    if both := sorted(settings.colors.classes.keys() & samples.keys()):
+        yield Violation("colors.samples", ", ".join(both), "classes that colors.classes does not have")
     if len(classes) > MOST_CLASSES:
         yield Violation("colors.classes", f"{len(classes)} classes", f"at most {MOST_CLASSES}")
     for name, boxes in settings.colors.classes.items():

@@ -1,6 +1,6 @@
 """Loads settings: default.toml < field preset < venue < --config < options. The only loader.
 
-Tables are merged key by key; lists and ``colors.classes`` (a palette is one thing) are replaced.
+Tables are merged key by key; lists, ``colors.classes`` and ``colors.samples`` (a palette is one thing) are replaced.
 Every complaint names the file and the key, what was found and what would be accepted.
 """
 
@@ -17,12 +17,12 @@ from typing import Any
 import msgspec
 
 from vision_core.errors import SettingsError
-from vision_core.settings import ColorRange, Settings
+from vision_core.settings import ColorRange, HexColor, Settings
 from vision_core.settings_checks import check_settings
 
 Table = dict[str, Any]
 KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object": "a table", "array": "a list"}
-REPLACED = frozenset({"colors.classes"})
+REPLACED = frozenset({"colors.classes", "colors.samples"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +181,7 @@ def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsErro
     text, _, where = message.partition(" - at ")
     keys = re.findall(r"[A-Za-z_][A-Za-z0-9_-]*|\d+|\.\.\.", where)
     if "..." in keys:  # msgspec does not name the key of a dict: find the entry that fails by itself
-        keys[keys.index("...")] = _bad_class(merged)
+        keys[keys.index("...")] = _bad_entry(merged["colors"], "samples" if "samples" in keys else "classes")
     if unknown := re.search(r"unknown field `(.*)`", text):
         bad = unknown.group(1)
         known = _known_keys(keys)
@@ -214,11 +214,12 @@ def _accepted(text: str, keys: list[str]) -> str:
     return wanted
 
 
-def _bad_class(merged: Table) -> str:
-    """The first color class that is wrong: the only dict in the settings."""
-    for name, boxes in merged["colors"]["classes"].items():
+def _bad_entry(colors: Table, key: str) -> str:
+    """The first color class that is wrong: the only dicts in the settings."""
+    wanted = {"classes": tuple[ColorRange, ...], "samples": tuple[HexColor, ...]}[key]
+    for name, entry in colors[key].items():
         try:
-            msgspec.convert(boxes, tuple[ColorRange, ...])
+            msgspec.convert(entry, wanted)
         except msgspec.ValidationError:
             return str(name)
     return "?"

@@ -1,4 +1,4 @@
-"""Boxes of a color space -> one table over all quantized colors."""
+"""Boxes of a color space and samples -> one table over all quantized colors."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.color.samples import claims_by_samples
 from vision_core.color.spaces import ec_from_bgr, hsv_from_bgr, ymp_from_bgr
 from vision_core.geometry import Floats, frozen
 from vision_core.settings import ColorRange, ColorSettings
@@ -23,11 +24,13 @@ Mask = NDArray[np.bool_]
 
 
 def compile_color_table(colors: ColorSettings) -> ColorTable:
-    """Judge every cell by its center. Where classes claim the same cell, the one listed first has it."""
+    """Judge every cell by its center. Where classes claim the same cell, the one listed first has it; classes by
+    samples come after those by ranges."""
     convert, axes = SPACES[colors.space]
     cells = cell_centers()
     coordinates = dict(zip(axes, convert(cells).T, strict=True))
     claims = {name: _claim(boxes, coordinates) for name, boxes in colors.classes.items()}
+    claims |= claims_by_samples(cells, colors.samples, colors.sampling)
     classes = np.zeros(CELLS, dtype=np.uint8)
     for number, claim in reversed(list(enumerate(claims.values(), start=1))):
         classes[claim] = number

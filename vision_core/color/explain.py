@@ -1,0 +1,88 @@
+"""Why a color is of its class, and by how much it misses the others: in the units of the settings."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision_core.color.lookup_table import SPACES
+from vision_core.color.samples import hex_from_bgr, nearest_samples, sampled_names
+from vision_core.geometry import Floats
+from vision_core.settings import ColorRange, ColorSettings
+
+SCALES = {"hue_deg": 180.0, "phase_deg": 180.0, "saturation": 1.0, "value": 1.0, "module": 181.0, "luma": 255.0}
+"""What a miss is compared by: the axes' whole lengths."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What one class says of a color."""
+
+    name: str
+    claims: bool
+    why: str
+    """Of the box or sample that comes nearest: in which axes it misses, and by how much; empty when it claims."""
+    miss: float
+    """0 when it claims; shares of the axes' lengths, to order the classes by."""
+
+
+def units_of(bgr: Floats, space: str) -> dict[str, float]:
+    """One color in the axes of a space: shape (3,)."""
+    convert, axes = SPACES[space]
+    return dict(zip(axes, convert(bgr)[0].tolist(), strict=True))
+
+
+def verdicts(bgr: Floats, colors: ColorSettings) -> list[Verdict]:
+    """What every class says of a color, the classes by ranges first; bgr: shape (3,)."""
+    values = units_of(bgr, colors.space)
+    found = []
+    for name, boxes in colors.classes.items():
+        misses = [_misses(box, values) for box in boxes]
+        best = min(misses, key=lambda parts: sum(miss for miss, _ in parts), default=[(1.0, "it has no box")])
+        found.append(Verdict(name, not best, ", ".join(text for _, text in best), sum(miss for miss, _ in best)))
+    return [*found, *(_by_samples(bgr, name, colors) for name in sampled_names(colors.samples))]
+
+
+def _misses(box: ColorRange, values: dict[str, float]) -> list[tuple[float, str]]:
+    """The axes in which a color lies outside of a box: by which share of the axis, and in words."""
+    parts = []
+    for axis, value in values.items():
+        if (bounds := getattr(box, axis)) is None:
+            continue
+        low, high = bounds
+        if np.isnan(value):
+            parts.append((1.0, f"{axis}: too grey to have one, not {low:g}..{high:g}"))
+            continue
+        by = _beyond(value, low, high, is_angle=axis.endswith("_deg"))
+        if by > 0.0:
+            parts.append((by / SCALES[axis], f"{axis} {value:.4g} misses {low:g}..{high:g} by {by:.3g}"))
+    return parts
+
+
+def _beyond(value: float, low: float, high: float, *, is_angle: bool) -> float:
+    if not is_angle:
+        return max(low - value, value - high, 0.0)
+    span = high - low if high >= low else high - low + 360.0
+    ahead = (value - low) % 360.0
+    return 0.0 if ahead <= span else min(ahead - span, 360.0 - ahead)
+
+
+def _by_samples(bgr: Floats, name: str, colors: ColorSettings) -> Verdict:
+    rows, limit = bgr.reshape(1, 3), colors.sampling.tolerance
+    place, distance = nearest_samples(rows, colors.samples, colors.sampling)
+    owner, text = [(owner, text) for owner, texts in colors.samples.items() for text in texts][int(place[0])]
+    if owner == name and distance[0] <= limit:
+        return Verdict(name, True, "", 0.0)
+    _, own = nearest_samples(rows, {name: colors.samples[name]}, colors.sampling)
+    why = f"its nearest sample is {own[0]:.1f} away, sampling.tolerance is {limit:g}"
+    if own[0] <= limit:
+        why = f"its nearest sample is {own[0]:.1f} away, {text} of {owner} {distance[0]:.1f}"
+    return Verdict(name, False, why, float(own[0]) / 255.0)
+
+
+def in_words(bgr: Floats) -> str:
+    """A color in the units of all spaces, in one line."""
+    parts = [f"bgr {' '.join(f'{level:.0f}' for level in bgr)} {hex_from_bgr(bgr.tolist())}"]
+    for space in SPACES:
+        values = ", ".join(f"{axis} {value:.3g}" for axis, value in units_of(bgr, space).items())
+        parts.append(f"{space}: {values}")
+    return " | ".join(parts)
