@@ -1,0 +1,353 @@
+"""Region growing from an object's last position: one object, as few pixels as it takes.
+
+The way of the CAMBADA robots (Neves et al., "A modular vision system", section 3). Each object is searched alone. From
+its last position, or the picture's middle, square rings of points are looked at, the nearest first; a point of the
+object's color grows into a region. Two queues take turns: *candidates* are pixels to be judged, *members* are those
+that were judged to be of the color and expand the region to their own neighbors. A region is then valid by its area,
+and by what surrounds it: for that the fronts go on for some layers through pixels of any color. Whatever is not valid
+is remembered, and the rings go on.
+
+So an object that is where it was costs a few hundred pixels, and one that is gone costs a search of the whole picture:
+the time varies as in the paper's figure 3. ``budget_px`` is the limit of it.
+
+A color is a set of classes of the color table, or a seed with tolerances, for what no table can hold: a table has
+32 x 64 x 32 cells, one venue, one light.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.clock import Instant, seconds_between
+from vision_core.geometry import Bytes
+from vision_core.kernels import kernel
+from vision_core.types.colors import ColorTable
+from vision_core.types.tables import BLOB, Table
+
+Row: TypeAlias = Any
+"""One row of a table, as kernels take it: its fields are attributes."""
+
+NOT_FOUND = -1.0
+CELLS = 1 << 16
+LAST_SERIAL = (1 << 30) - 1
+
+COLOR = np.dtype(
+    [
+        ("classes", np.uint8, (256,)), ("by_seed", np.int64),
+        ("luma", np.float64), ("cb", np.float64), ("cr", np.float64),
+        ("luma_tolerance", np.float64), ("chroma_tolerance", np.float64),
+    ]
+)  # fmt: skip
+"""What is looked for: classes holds 1 for every class of the table that counts; or, when by_seed, everything within
+tolerances of a luma and a chroma, in grey levels."""
+
+LIMITS = np.dtype(
+    [
+        ("search_px", np.int64), ("step_px", np.int64), ("min_area_px", np.int64), ("max_area_px", np.int64),
+        ("gap_px", np.int64), ("ring_px", np.int64), ("min_around", np.float64), ("budget_px", np.int64),
+    ]
+)  # fmt: skip
+
+
+class Memory(NamedTuple):
+    """Taken once for pictures of one size; filled by `grow`."""
+
+    stamps: NDArray[np.int32]
+    """Shape (height, width): which region last judged a pixel, times two; plus one if the pixel became a member."""
+    serial: NDArray[np.int64]
+    """Number of the last region, shape (1,)."""
+    members: NDArray[np.int32]
+    """The front, x and y, shape (room, 2)."""
+    candidates: NDArray[np.int32]
+    """Neighbors of the front that are to be judged."""
+    rim: NDArray[np.int32]
+    """Candidates that were turned down: the region's outer rim."""
+    blob: Table
+    """The region that was found, one row of BLOB."""
+
+
+def memory_for(width_px: int, height_px: int) -> Memory:
+    """Memory for pictures of a size. Fronts longer than eight times round the picture are not followed."""
+    room = 16 * (width_px + height_px)
+    return Memory(
+        stamps=np.zeros((height_px, width_px), dtype=np.int32),
+        serial=np.zeros(1, dtype=np.int64),
+        members=np.zeros((room, 2), dtype=np.int32),
+        candidates=np.zeros((room, 2), dtype=np.int32),
+        rim=np.zeros((room, 2), dtype=np.int32),
+        blob=np.zeros(1, dtype=BLOB),
+    )
+
+
+def color_of_classes(*numbers: int) -> Table:
+    """A color by classes of the color table, shape (1,)."""
+    color = np.zeros(1, dtype=COLOR)
+    color["classes"][0, list(numbers)] = 1
+    return color
+
+
+def color_of_seed(bgr: tuple[float, float, float], luma_tolerance: float, chroma_tolerance: float) -> Table:
+    """A color by an example and how far luma and (Cb, Cr) may lie from its own [grey levels], shape (1,)."""
+    color = np.zeros(1, dtype=COLOR)
+    color["luma"], color["cb"], color["cr"] = luma_and_chroma(*bgr)
+    color["luma_tolerance"], color["chroma_tolerance"] = luma_tolerance, chroma_tolerance
+    color["by_seed"] = 1
+    return color
+
+
+@dataclass(frozen=True, slots=True)
+class GrowingLimits:
+    """What makes a region the object."""
+
+    min_area_px: int
+    max_area_px: int
+    around: Table | None = None
+    """Color that must surround it, a row of COLOR; None: not looked at."""
+    min_around: float = 0.5
+    """Least share of the surrounding pixels that have it."""
+    gap_px: int = 2
+    """Layers next to the region that are left out: there its color and the others mix."""
+    ring_px: int = 2
+    """Layers beyond that are looked at."""
+    near_px: float = 40.0
+    """Found farther from where it was predicted, it is thought to start over at rest."""
+    budget_px: int = 1_000_000
+    """So many pixels are grown in one picture at most, in all regions together."""
+
+    def row(self, search_px: int) -> Table:
+        """As a table of one row; search_px: how far from the start rings are looked at."""
+        limits = np.zeros(1, dtype=LIMITS)
+        limits["search_px"], limits["step_px"] = search_px, step_for(self.min_area_px)
+        limits["min_area_px"], limits["max_area_px"] = self.min_area_px, self.max_area_px
+        limits["gap_px"], limits["ring_px"] = self.gap_px, 0 if self.around is None else self.ring_px
+        limits["min_around"], limits["budget_px"] = self.min_around, self.budget_px
+        return limits
+
+
+def step_for(area_px: int) -> int:
+    """How far apart points may be [px] so that no disc of an area lies between them: d / sqrt(2) for a diameter d,
+    less the half pixel by which a disc of pixels may be narrower."""
+    diameter = 2.0 * math.sqrt(area_px / math.pi)
+    return max(1, math.floor((diameter - 0.5) / math.sqrt(2.0)))
+
+
+class GrowingTracker:
+    """Follows one object from picture to picture, in memory that is taken once.
+
+    It starts where the object is predicted from its last two places, in the picture's middle at first. One picture
+    without it makes it lost: the search goes on over the whole picture, each time, until the object is found.
+    """
+
+    def __init__(
+        self, width_px: int, height_px: int, color: Table, limits: GrowingLimits, table: ColorTable | None = None
+    ) -> None:
+        """color: a row of COLOR; table: whose classes it names, not needed for a seed."""
+        self._memory = memory_for(width_px, height_px)
+        self._classes = np.zeros(CELLS, dtype=np.uint8) if table is None else np.array(table.classes)
+        self._classes.setflags(write=False)
+        self._color = color
+        self._around = color if limits.around is None else limits.around
+        self._limits = limits.row(max(width_px, height_px))
+        self._near_px = limits.near_px
+        self._x_px, self._y_px = width_px / 2.0, height_px / 2.0
+        self._vx_px_s = self._vy_px_s = 0.0
+        self._seen: Instant | None = None
+        self.lost = True
+        """The last picture did not show it, or there was none."""
+        self.around = 0.0
+        """Share of its surroundings that have the wanted color; 1 when that is not looked at."""
+
+    def predict(self, at: Instant) -> tuple[float, float]:
+        """Where the object should be at an instant, x and y [px]; its last place when it is lost."""
+        if self.lost or self._seen is None:
+            return self._x_px, self._y_px
+        t = seconds_between(self._seen, at)
+        return self._x_px + self._vx_px_s * t, self._y_px + self._vy_px_s * t
+
+    def follow(self, pixels: Bytes, at: Instant) -> Table | None:
+        """Find the object in a picture, shape (height, width, 3), blue green red, grabbed at an instant.
+
+        Returns a table of one BLOB, the tracker's own: the next call overwrites it. None: the picture does not show it.
+        """
+        assert pixels.shape == (*self._memory.stamps.shape, 3), f"{pixels.shape} is another size"
+        x, y = self.predict(at)
+        view = np.ascontiguousarray(pixels).view()
+        view.setflags(write=False)  # one memory layout for the kernel: frames come read-only or not
+        around = grow(view, self._classes, x, y, self._color, self._around, self._limits, self._memory)
+        if around == NOT_FOUND:
+            self.lost = True
+            return None
+        found = float(self._memory.blob["x_px"][0]), float(self._memory.blob["y_px"][0])
+        self._move(*found, at, steady=not self.lost and math.dist((x, y), found) <= self._near_px)
+        self.around = around
+        return self._memory.blob
+
+    def _move(self, x: float, y: float, at: Instant, *, steady: bool) -> None:
+        t = seconds_between(self._seen, at) if steady and self._seen is not None else 0.0
+        self._vx_px_s, self._vy_px_s = ((x - self._x_px) / t, (y - self._y_px) / t) if t > 0.0 else (0.0, 0.0)
+        self._x_px, self._y_px, self._seen, self.lost = x, y, at, False
+
+
+@kernel
+def grow(
+    pixels: Bytes, classes: Bytes, x_px: float, y_px: float, color: Table, around: Table, limits: Table, memory: Memory
+) -> float:
+    """Find the valid region of a color that is nearest to a start, ring by ring; its BLOB is memory.blob.
+
+    pixels: shape (height, width, 3); classes: of a ColorTable; color, around: rows of COLOR; limits: a row of LIMITS.
+    Returns the share of its surroundings that have the color `around` (1 when ring_px is 0), or NOT_FOUND.
+    """
+    height, width = memory.stamps.shape
+    limit, wanted = limits[0], color[0]
+    x, y = min(max(int(x_px + 0.5), 0), width - 1), min(max(int(y_px + 0.5), 0), height - 1)
+    first, budget = next_serial(memory), limit.budget_px
+    for ring in range(limit.search_px // limit.step_px + 2):
+        for point in range(max(8 * ring, 1)):
+            u, v = point_of_ring(ring, point)
+            u, v = x + u * limit.step_px, y + v * limit.step_px
+            if u < 0 or v < 0 or u >= width or v >= height or not is_of(wanted, classes, pixels[v, u]):
+                continue
+            if memory.stamps[v, u] & 1 and memory.stamps[v, u] >> 1 >= first:
+                continue  # a member of a region that was not valid
+            complete, rim = grow_region(pixels, classes, u, v, wanted, memory, budget)
+            area = memory.blob[0].area_px
+            budget -= area
+            if not complete:
+                return NOT_FOUND
+            if area < limit.min_area_px or area > limit.max_area_px:
+                continue
+            share = surrounding_share(pixels, classes, around[0], limit, memory, rim) if limit.ring_px else 1.0
+            if not limit.ring_px or share >= limit.min_around:
+                return share
+    return NOT_FOUND
+
+
+@kernel
+def next_serial(memory: Memory) -> int:
+    """Number of the next region, after the last one of all stamps were wiped."""
+    if memory.serial[0] > LAST_SERIAL - memory.stamps.size:
+        memory.stamps[:] = 0
+        memory.serial[0] = 0
+    return int(memory.serial[0]) + 1
+
+
+@kernel
+def point_of_ring(ring: int, point: int) -> tuple[int, int]:
+    """A point of the square ring of an edge of 2 * ring steps, in steps from its middle, anticlockwise."""
+    if ring == 0:
+        return 0, 0
+    side, along = point // (2 * ring), point % (2 * ring)
+    if side == 0:
+        return along - ring, -ring
+    if side == 1:
+        return ring, along - ring
+    if side == 2:
+        return ring - along, ring
+    return -ring, ring - along
+
+
+@kernel
+def is_of(color: Row, classes: Bytes, pixel: Bytes) -> bool:
+    """Whether a pixel (blue green red) is of a color (a row of COLOR)."""
+    blue, green, red = np.intp(pixel[0]), np.intp(pixel[1]), np.intp(pixel[2])
+    if not color.by_seed:
+        return bool(color.classes[classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]])
+    luma, cb, cr = luma_and_chroma(float(blue), float(green), float(red))
+    if abs(luma - color.luma) > color.luma_tolerance:
+        return False
+    return bool((cb - color.cb) ** 2 + (cr - color.cr) ** 2 <= color.chroma_tolerance**2)
+
+
+@kernel
+def luma_and_chroma(blue: float, green: float, red: float) -> tuple[float, float, float]:
+    """Y, Cb and Cr of a color, ITU-R BT.601, full range, Cb and Cr about 0 [grey levels]."""
+    luma = 0.299 * red + 0.587 * green + 0.114 * blue
+    return luma, (blue - luma) * (0.5 / (1.0 - 0.114)), (red - luma) * (0.5 / (1.0 - 0.299))
+
+
+@kernel
+def grow_region(
+    pixels: Bytes, classes: Bytes, x: int, y: int, color: Row, memory: Memory, budget_px: int
+) -> tuple[bool, int]:
+    """Grow the region of a pixel into memory.blob; whether it is complete, and the length of its rim.
+
+    It is not when it has more pixels than the budget, or a front longer than the queues.
+    """
+    stamps, members, candidates, rim = memory.stamps, memory.members, memory.candidates, memory.rim
+    memory.serial[0] += 1
+    serial = memory.serial[0]
+    members[0, 0], members[0, 1] = x, y
+    stamps[y, x] = 2 * serial + 1
+    area = sum_x = sum_y = rims = 0
+    left = right = x
+    top = bottom = y
+    front, complete = 1, True
+    while front and complete:
+        waiting = 0
+        for member in range(front):
+            px, py = members[member, 0], members[member, 1]
+            area += 1
+            sum_x += px
+            sum_y += py
+            left, right, top, bottom = min(left, px), max(right, px), min(top, py), max(bottom, py)
+            waiting = add_neighbors(px, py, stamps, serial, candidates, waiting)
+        complete = area <= budget_px and waiting <= len(candidates) - 8
+        front = 0
+        for candidate in range(waiting):
+            px, py = candidates[candidate, 0], candidates[candidate, 1]
+            if is_of(color, classes, pixels[py, px]):
+                stamps[py, px] = 2 * serial + 1
+                members[front, 0], members[front, 1] = px, py
+                front += 1
+            elif rims < len(rim):
+                rim[rims, 0], rim[rims, 1] = px, py
+                rims += 1
+    blob = memory.blob[0]
+    blue, green, red = np.intp(pixels[y, x, 0]), np.intp(pixels[y, x, 1]), np.intp(pixels[y, x, 2])
+    blob.color = classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]
+    blob.area_px, blob.x_px, blob.y_px = area, sum_x / area, sum_y / area
+    blob.left, blob.top, blob.right, blob.bottom = left, top, right, bottom
+    return complete, rims
+
+
+@kernel
+def add_neighbors(
+    x: int, y: int, stamps: NDArray[np.int32], serial: int, queue: NDArray[np.int32], waiting: int
+) -> int:
+    """Queue the neighbors of a pixel (diagonals, too) that this region has not met; how many wait then.
+
+    Those for which there is no room are left out.
+    """
+    height, width = stamps.shape
+    for v in range(max(y - 1, 0), min(y + 2, height)):
+        for u in range(max(x - 1, 0), min(x + 2, width)):
+            if stamps[v, u] >> 1 == serial or waiting == len(queue):
+                continue
+            stamps[v, u] = 2 * serial
+            queue[waiting, 0], queue[waiting, 1] = u, v
+            waiting += 1
+    return waiting
+
+
+@kernel
+def surrounding_share(pixels: Bytes, classes: Bytes, around: Row, limits: Row, memory: Memory, rim: int) -> float:
+    """Share of the pixels gap_px + 1 ... gap_px + ring_px layers outside a region, just grown, that are of a color.
+
+    A region that fills the picture has no surroundings: 0.
+    """
+    layer, beyond = memory.rim, memory.candidates
+    serial, count, alike, judged = memory.serial[0], rim, 0, 0
+    for distance in range(1, limits.gap_px + limits.ring_px + 1):
+        if distance > 1:
+            waiting = 0
+            for pixel in range(count):
+                waiting = add_neighbors(layer[pixel, 0], layer[pixel, 1], memory.stamps, serial, beyond, waiting)
+            layer, beyond, count = beyond, layer, waiting
+        if distance > limits.gap_px:
+            judged += count
+            for pixel in range(count):
+                alike += is_of(around, classes, pixels[layer[pixel, 1], layer[pixel, 0]])
+    return alike / judged if judged else 0.0
