@@ -1,6 +1,7 @@
 """One door to numba: ``@kernel`` compiles a function without the interpreter and caches it on disk.
 
-numba reads the cache's place when it is imported, so this is the only module that imports it.
+numba reads the cache's place when it is imported, so this is the only module that imports it; what else is needed
+of it has a name here: ``intrinsic`` makes a function of instructions that Python has no word for.
 """
 
 import os
@@ -16,9 +17,24 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_folder()))
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numba  # noqa: E402
+from numba.extending import intrinsic as _intrinsic  # noqa: E402
+
+intrinsic: Any = _intrinsic
+machine_types: Any = numba.types
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function for the hot path: no Python objects inside, cached on disk."""
     compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     return compiled  # type: ignore[no-any-return]
+
+
+def external(name: str, signature: str) -> Any:
+    """A function of the C library for use in kernels. signature: "int32(int32, uintp)", addresses as uintp."""
+    normalize: Any = numba.core.sigutils.normalize_signature
+    arguments, result = normalize(signature)
+    return numba.types.ExternalFunction(name, result(*arguments))
+
+
+carray: Any = getattr(numba, "carray")  # noqa: B009 (numba does not say that it exports it)
+"""An array over memory whose address the C library told."""

@@ -1,16 +1,19 @@
 """Worlds to look at: made by hand, or at random with everything in them that views.md has a rule for."""
 
+import dataclasses
 import math
 
 import numpy as np
 from msgspec.structs import replace
 
 from vision_core.clock import Instant
-from vision_core.settings import FieldSettings, Settings
+from vision_core.settings import FieldSettings, Settings, TeamRobotSettings
 from vision_core.settings_files import load_settings
 from vision_core.types.objects import Team
-from vision_core.types.tracks import BallTrack, RobotTrack, World
-from vision_core.views.observe import Observer
+from vision_core.types.tables import WorldTable
+from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
+from vision_core.types.views import RobotView
+from vision_core.views.eyes import Eyes, viewer_of
 
 SETTINGS = load_settings()
 AT = Instant(1_000_000_000)
@@ -46,14 +49,37 @@ def world(*robots: RobotTrack, ball: BallTrack | None = None) -> World:
     return World(7, AT, robots, ball, ())
 
 
-def observer(field: FieldSettings, settings: Settings = SETTINGS) -> Observer:
-    """An observer on a field, with the default settings for the rest."""
-    return Observer(field, settings.robots, settings.ball, settings.views, settings.match)
+def obstacle(x_m: float, y_m: float, radius_m: float) -> ObstacleTrack:
+    """A thing that nobody knows."""
+    return ObstacleTrack(x_m, y_m, radius_m, AT)
+
+
+class Observer:
+    """Looks at one world after the other through one robot's eyes."""
+
+    def __init__(self, field: FieldSettings, settings: Settings = SETTINGS) -> None:
+        self.eyes = Eyes(replace(settings, field=field))
+
+    def observe(self, world: World, team: Team, number: int, rays: int = 360) -> RobotView | None:
+        """The view of a team's number with so many rays; None when it is not in the world."""
+        self.eyes.sight.rays[:] = 360
+        if 1 <= number <= 16:
+            self.eyes.sight.rays[viewer_of(team, number)] = rays
+        table = WorldTable.of(world)
+        self.eyes.look(table)
+        return self.eyes.view(table, team, number)
+
+
+def with_squares(settings: Settings = SETTINGS) -> Settings:
+    """Yellow robots are squares, larger than the blue circles."""
+    robots = settings.robots
+    yellow = TeamRobotSettings(pattern=robots.pattern, outline="square", radius_m=0.11, height_m=robots.height_m)
+    return replace(settings, robots=replace(robots, yellow=yellow))
 
 
 def random_world(rng: np.random.Generator, field: FieldSettings) -> World:
-    """Blue 1 and up to 11 others: some in contact with it, overlapping it, outside, nameless; a ball anywhere,
-    near, under it, behind or beside another robot."""
+    """Blue 1 and up to 11 others: some in contact with it, overlapping it, outside, nameless, of unknown heading; up to
+    3 obstacles; a ball anywhere, near, under it, behind or beside another robot."""
     reach = (field.length_m / 2.0 + 0.4, field.width_m / 2.0 + 0.4)
     own = robot(Team.BLUE, 1, *_place(rng, reach), rng.uniform(-math.pi, math.pi))
     robots = [own]
@@ -62,8 +88,10 @@ def random_world(rng: np.random.Generator, field: FieldSettings) -> World:
         if rng.random() < 0.15:
             x, y = _beside(rng, own.x_m, own.y_m, RADIUS * rng.uniform(0.0, 2.1))
         team = Team.BLUE if rng.random() < 0.5 else Team.YELLOW
-        robots.append(robot(team, None if rng.random() < 0.2 else marker, x, y))
-    return World(7, AT, tuple(robots), _random_ball(rng, robots, reach), ())
+        other = robot(team, None if rng.random() < 0.2 else marker, x, y, rng.uniform(-math.pi, math.pi))
+        robots.append(dataclasses.replace(other, heading_sd_rad=3.0) if rng.random() < 0.2 else other)
+    things = [obstacle(*_place(rng, reach), rng.uniform(0.02, 0.2)) for _ in range(int(rng.integers(0, 4)))]
+    return World(7, AT, tuple(robots), _random_ball(rng, robots, reach), tuple(things))
 
 
 def _random_ball(rng: np.random.Generator, robots: list[RobotTrack], reach: tuple[float, float]) -> BallTrack | None:

@@ -1,19 +1,21 @@
 """One drawing per rule of views.md for the ball. Field ssl-2002 unless said; robots of radius 0.09, ball 0.02135."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from tests.views.scenes import BALL_RADIUS, fields, observer, robot, world
+from tests.views.scenes import BALL_RADIUS, Observer, fields, obstacle, robot, with_squares, world
 from tests.views.scenes import ball as ball_at
 from vision_core.types.objects import Team
 from vision_core.types.tracks import RobotTrack
 from vision_core.types.views import BallView
 from vision_core.views.ball import circle_shadow, segment_shadow
 
-WALLED = observer(fields()["walls"])
-OPEN = observer(fields()["open"])
+WALLED = Observer(fields()["walls"])
+SQUARES = Observer(fields()["walls"], with_squares())
+OPEN = Observer(fields()["open"])
 OWN = robot(Team.BLUE, 1, 0.0, 0.0)
 
 
@@ -133,6 +135,20 @@ def test_a_ball_touching_the_wall_before_which_it_lies_is_whole() -> None:
     view = seen(0.2, 1.15 - BALL_RADIUS)
     assert view is not None
     assert not view.partial
+
+
+def test_obstacles_and_squares_hide_the_ball() -> None:
+    here = world(OWN, ball=ball_at(0.9, 0.0))
+    assert WALLED.observe(here, Team.BLUE, 1) is not None
+    behind = WALLED.observe(dataclasses.replace(here, obstacles=(obstacle(0.5, 0.0, 0.05),)), Team.BLUE, 1)
+    assert behind is not None
+    assert behind.ball is None
+    # a square of sides 0.22 at 0.5: straight it spans +-15.8 degrees, at 45 degrees +-17.3
+    for heading, at, hidden in ((0.0, 14.0, True), (0.0, 18.0, False), (math.pi / 4, 15.5, True)):
+        place = ball_at(0.9 * math.cos(math.radians(at)), 0.9 * math.sin(math.radians(at)))
+        view = SQUARES.observe(world(OWN, robot(Team.YELLOW, 1, 0.5, 0.0, heading), ball=place), Team.BLUE, 1)
+        assert view is not None
+        assert (view.ball is None) == hidden
 
 
 def test_no_ball_in_the_world_is_no_ball_in_the_view() -> None:

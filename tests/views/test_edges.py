@@ -1,23 +1,23 @@
 """One drawing per rule of views.md for the edges. Field ssl-2002 unless said: walls at x = +-1.4 and y = +-1.15,
 goals 0.6 wide and 0.18 deep behind their mouths in the walls; robots of radius 0.09."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from tests.views.scenes import AT, SETTINGS, fields, observer, robot, world
+from tests.views.scenes import AT, SETTINGS, Observer, fields, obstacle, robot, with_squares, world
 from vision_core.settings import FieldSettings, ViewSettings
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tracks import World
 from vision_core.types.views import RobotView
-from vision_core.views.observe import ALL_ROUND_DEG, Observer
 
 FIELDS = fields()
-WALLED = observer(FIELDS["walls"])
-OPEN = observer(FIELDS["open"])
+WALLED = Observer(FIELDS["walls"])
+OPEN = Observer(FIELDS["open"])
 """Lines at 1.5, 1.0; limit at +-(1.5 + 0.3 + 0.18), +-(1.0 + 0.3 + 0.18); goals 1.0 wide at x = +-1.5..1.68."""
 
 
@@ -54,7 +54,7 @@ def test_direction_i_is_i_degrees_anticlockwise_from_the_heading() -> None:
 
 def test_goals_belong_to_who_defends_them_and_follow_a_change_of_sides() -> None:
     s = SETTINGS
-    changed = Observer(FIELDS["walls"], s.robots, s.ball, s.views, replace(s.match, blue_defends="right"))
+    changed = Observer(FIELDS["walls"], replace(s, match=replace(s.match, blue_defends="right")))
     view = view_of(world(robot(Team.BLUE, 1, 0.0, 0.0)), changed)
     assert edge(view, 0)[1] == EdgeKind.GOAL_BLUE
     assert edge(view, 180)[1] == EdgeKind.GOAL_YELLOW
@@ -70,7 +70,7 @@ def test_inner_sides_of_a_goal() -> None:
 
 def test_corner_cuts_are_walls() -> None:
     # corner at (1.45, 1.20), cut by 0.12: the line x + y = 1.45 + 1.20 - 0.12
-    view = view_of(world(robot(Team.BLUE, 1, 1.0, 0.8)), observer(FIELDS["corners"]))
+    view = view_of(world(robot(Team.BLUE, 1, 1.0, 0.8)), Observer(FIELDS["corners"]))
     assert edge(view, 45) == (round((2.53 - 1.8) / math.sqrt(2.0), 9), EdgeKind.WALL)
 
 
@@ -102,15 +102,17 @@ def test_the_own_body_is_no_edge() -> None:
 def test_kinds_are_numbers_by_the_map_of_the_match() -> None:
     s = SETTINGS
     match = replace(s.match, blue_ids=(11, 7, 0), yellow_ids=(5, 6), numbers=2)
-    eye = Observer(FIELDS["walls"], s.robots, s.ball, s.views, match)
+    eye = Observer(FIELDS["walls"], replace(s, match=match))
     robots = [robot(Team.BLUE, 11, 0.0, 0.0)]
     others = [(Team.BLUE, 7), (Team.BLUE, 0), (Team.BLUE, None), (Team.BLUE, 1), (Team.YELLOW, 6), (Team.YELLOW, None)]
     for k, (team, marker) in enumerate(others):
         robots.append(robot(team, marker, 0.8 * math.cos(k), 0.8 * math.sin(k)))
-    view = eye.observe(world(*robots), Team.BLUE, 1, np.degrees(np.arange(len(others), dtype=np.float64)))
+    view = eye.observe(world(*robots), Team.BLUE, 1)
     assert view is not None
     blue, yellow = EdgeKind.ROBOT_BLUE, EdgeKind.ROBOT_YELLOW
-    assert view.kinds.tolist() == [blue + 2, blue + 3, blue, blue, yellow + 2, yellow]
+    directions = np.degrees(np.arange(len(others))).round().astype(int)
+    assert view.kinds[directions].tolist() == [blue + 2, blue + 3, blue, blue, yellow + 2, yellow]
+    assert eye.observe(world(*robots), Team.BLUE, 3) is None  # connected are numbers 1 and 2 alone
 
 
 @pytest.mark.parametrize(("team", "number"), [(Team.BLUE, 2), (Team.YELLOW, 1), (Team.BLUE, 0), (Team.BLUE, 17)])
@@ -120,7 +122,8 @@ def test_a_robot_that_is_not_in_the_world_has_no_view(team: Team, number: int) -
 
 
 def test_number_sixteen_wears_id_zero() -> None:
-    view = view_of(world(robot(Team.YELLOW, 0, 0.0, 0.0)), team=Team.YELLOW, number=16)
+    everybody = Observer(FIELDS["walls"], replace(SETTINGS, match=replace(SETTINGS.match, numbers=16)))
+    view = view_of(world(robot(Team.YELLOW, 0, 0.0, 0.0)), everybody, Team.YELLOW, 16)
     assert (view.team, view.number) == (Team.YELLOW, 16)
 
 
@@ -130,7 +133,7 @@ def test_edges_nearer_than_r_min_are_reported_there() -> None:
     assert edge(view, 90) == (0.09, EdgeKind.WALL)
     assert edge(view, 30) == (0.1, EdgeKind.WALL)  # 0.05 / sin 30
     s = SETTINGS
-    nearer = Observer(FIELDS["walls"], s.robots, s.ball, ViewSettings(r_min_m=0.02), s.match)
+    nearer = Observer(FIELDS["walls"], replace(s, views=ViewSettings(r_min_m=0.02)))
     assert edge(view_of(world(robot(Team.BLUE, 1, 0.0, 1.1)), nearer), 90) == (0.05, EdgeKind.WALL)
 
 
@@ -201,27 +204,78 @@ def test_a_robot_beyond_the_limit_lies_behind_the_edge_and_one_across_it_before(
     assert edge(view_of(world(own, robot(Team.BLUE, 2, 0.0, 1.5)), OPEN), 90) == (1.41, EdgeKind.ROBOT_BLUE + 2)
 
 
-def test_a_field_of_view_is_the_directions_asked_for() -> None:
+def test_finer_rays_are_computed_and_every_so_many_th_is_the_coarse_one() -> None:
     here = world(robot(Team.BLUE, 1, 0.2, -0.3, 0.7), robot(Team.YELLOW, 2, 0.5, 0.4))
     whole = view_of(here)
-    part = WALLED.observe(here, Team.BLUE, 1, np.array([350.0, 10.0, -10.0, 370.0]))
-    assert part is not None
-    np.testing.assert_allclose(part.distances_m, whole.distances_m[[350, 10, 350, 10]])
-    fine = WALLED.observe(here, Team.BLUE, 1, np.arange(0.0, 360.0, 0.25))
-    assert fine is not None
-    np.testing.assert_allclose(fine.distances_m[::4], whole.distances_m)
+    for finer in (2, 4):
+        fine = WALLED.observe(here, Team.BLUE, 1, 360 * finer)
+        assert fine is not None
+        np.testing.assert_allclose(fine.distances_m[::finer], whole.distances_m)
+        np.testing.assert_array_equal(fine.kinds[::finer], whole.kinds)
+        assert len(set(fine.distances_m.tolist())) > len(set(whole.distances_m.tolist()))
 
 
 @pytest.mark.parametrize("field", list(FIELDS.values()), ids=list(FIELDS))
 def test_no_ray_slips_through_a_corner(field: FieldSettings) -> None:
-    eye = observer(field)
-    corners = np.degrees([math.atan2(1.15, 1.4), math.atan2(0.3, 1.4), math.atan2(0.3, 1.58), math.atan2(1.48, 1.98)])
-    directions = np.concatenate([ALL_ROUND_DEG, corners, 180.0 - corners, 180.0 + corners, -corners])
-    for x in np.linspace(-1.3, 1.3, 27):
-        for y in np.linspace(-0.95, 0.95, 20):
-            view = eye.observe(world(robot(Team.BLUE, 1, float(x), float(y))), Team.BLUE, 1, directions)
-            assert view is not None
-            assert np.isfinite(view.distances_m).all()
+    eye = Observer(field)
+    corners = [math.atan2(1.15, 1.4), math.atan2(0.3, 1.4), math.atan2(0.3, 1.58), math.atan2(1.48, 1.98)]
+    for x in np.linspace(-1.3, 1.3, 14):
+        for y in np.linspace(-0.95, 0.95, 10):
+            for heading in (0.0, *corners, *(math.pi - corner for corner in corners)):
+                view = eye.observe(world(robot(Team.BLUE, 1, float(x), float(y), heading)), Team.BLUE, 1)
+                assert view is not None
+                assert np.isfinite(view.distances_m).all()
+
+
+@pytest.mark.parametrize(("x", "y"), [(1.4, 1.15), (0.2, 1.15), (-1.4, 0.5), (1.4, -0.3), (1.49, 0.3)])
+def test_standing_on_a_wall_or_a_post_it_is_at_r_min(x: float, y: float) -> None:
+    """There the angles of its ends tell nothing."""
+    view = view_of(world(robot(Team.BLUE, 1, x, y)))
+    assert np.isfinite(view.distances_m).all()
+    assert view.distances_m.min() == 0.09
+
+
+def test_an_obstacle_is_an_unknown_edge_and_hides_the_wall() -> None:
+    # o  (q)  |   center 0.5 away, radius 0.05
+    here = dataclasses.replace(world(robot(Team.BLUE, 1, 0.0, 0.0)), obstacles=(obstacle(0.0, 0.5, 0.05),))
+    view = view_of(here)
+    assert edge(view, 90) == (0.45, EdgeKind.UNKNOWN)
+    reached = np.nonzero(view.kinds == EdgeKind.UNKNOWN)[0]
+    assert (reached.min(), reached.max()) == (85, 95)  # asin(0.05 / 0.5) = 5.7 degrees
+
+
+SQUARES = Observer(FIELDS["walls"], with_squares())
+"""Yellow robots are squares with sides of 0.22."""
+
+
+def test_a_square_robot_turns_with_its_heading() -> None:
+    #  o  [#]  then  o  <#>   center 0.5 away, half side 0.11
+    own = robot(Team.BLUE, 1, 0.0, 0.0)
+    straight = view_of(world(own, robot(Team.YELLOW, 2, 0.5, 0.0)), SQUARES)
+    assert edge(straight, 0) == (0.39, EdgeKind.ROBOT_YELLOW + 2)
+    assert edge(straight, 15) == (round(0.39 / math.cos(math.radians(15)), 9), EdgeKind.ROBOT_YELLOW + 2)
+    assert edge(straight, 16)[1] != EdgeKind.ROBOT_YELLOW + 2  # atan(0.11 / 0.39) = 15.8 degrees
+    turned = view_of(world(own, robot(Team.YELLOW, 2, 0.5, 0.0, math.pi / 4)), SQUARES)
+    assert edge(turned, 0) == (round(0.5 - 0.11 * math.sqrt(2.0), 9), EdgeKind.ROBOT_YELLOW + 2)
+
+
+def test_a_square_of_unknown_heading_is_the_circle_inside() -> None:
+    blind = dataclasses.replace(robot(Team.YELLOW, 2, 0.5, 0.0, math.pi / 4), heading_sd_rad=3.0)
+    view = view_of(world(robot(Team.BLUE, 1, 0.0, 0.0), blind), SQUARES)
+    assert edge(view, 0) == (0.39, EdgeKind.ROBOT_YELLOW + 2)
+    assert int((view.kinds == EdgeKind.ROBOT_YELLOW + 2).sum()) == 25  # asin(0.11 / 0.5) = 12.7 degrees
+
+
+def test_a_squares_corner_over_our_center_is_all_round() -> None:
+    near = robot(Team.YELLOW, 2, 0.1, 0.1)
+    assert view_of(world(robot(Team.BLUE, 1, 0.0, 0.0), near), SQUARES).overlap
+    turned = dataclasses.replace(near, heading_rad=math.pi / 4)
+    assert not view_of(world(robot(Team.BLUE, 1, 0.0, 0.0), turned), SQUARES).overlap
+
+
+def test_r_min_is_the_own_radius() -> None:
+    here = world(robot(Team.YELLOW, 1, 0.0, 1.1))  # the center 0.05 from the wall
+    assert edge(view_of(here, SQUARES, Team.YELLOW), 90) == (0.11, EdgeKind.WALL)
 
 
 def test_what_is_handed_out_cannot_be_changed() -> None:

@@ -7,21 +7,24 @@ import numpy as np
 import pytest
 
 from tests.views import brute_force
-from tests.views.scenes import BALL_RADIUS, RADIUS, fields, observer, random_world
+from tests.views.scenes import BALL_RADIUS, Observer, fields, random_world, with_squares
 from vision_core.field_model import accepted_half_extent, field_segments
 from vision_core.settings import FieldSettings
+from vision_core.settings_models import robots_of
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tracks import World
-from vision_core.views.observe import ALL_ROUND_DEG
 
+SETTINGS = with_squares()
+SHAPES = {team: robots_of(SETTINGS.robots, team) for team in Team}
 SLICES = 200
 FINE_SLICES = 200_000
 
 
 def scene_of(world: World, field: FieldSettings) -> brute_force.Scene:
     """The world as seen by its first robot, blue 1."""
-    own, others = world.robots[0], world.robots[1:]
+    own, others, things = world.robots[0], world.robots[1:], world.obstacles
+    squares = [SHAPES[r.team].outline == "square" and r.heading_sd_rad < 1.0 for r in others]
     first = {Team.BLUE: EdgeKind.ROBOT_BLUE, Team.YELLOW: EdgeKind.ROBOT_YELLOW}
     segments = field_segments(field, "left")
     solid, virtual = ([s for s in segments if s.solid is flag] for flag in (True, False))
@@ -33,10 +36,16 @@ def scene_of(world: World, field: FieldSettings) -> brute_force.Scene:
         virtual=np.array([(s.x1_m, s.y1_m, s.x2_m, s.y2_m) for s in virtual]).reshape(-1, 4),
         virtual_kinds=np.array([s.kind for s in virtual], dtype=np.uint8),
         half_extent=accepted_half_extent(field),
-        robots=np.array([(r.x_m, r.y_m) for r in others]).reshape(-1, 2),
-        robot_kinds=np.array([first[r.team] + (r.id or 0) for r in others], dtype=np.uint8),
-        radius=RADIUS,
-        r_min=RADIUS,
+        robots=np.array([(r.x_m, r.y_m) for r in others] + [(thing.x_m, thing.y_m) for thing in things]).reshape(-1, 2),
+        robot_kinds=np.array(
+            [first[r.team] + (r.id or 0) for r in others] + [EdgeKind.UNKNOWN] * len(things), dtype=np.uint8
+        ),
+        radii=np.array([SHAPES[r.team].radius_m for r in others] + [thing.radius_m for thing in things]),
+        headings=np.array(
+            [r.heading_rad if square else math.nan for r, square in zip(others, squares, strict=True)]
+            + [math.nan] * len(things)
+        ),
+        r_min=SHAPES[own.team].radius_m,
     )
 
 
@@ -58,7 +67,7 @@ def compare(count: int, seed: int) -> Counter[str]:
     """Compare so many worlds on each kind of field in turn; what came up, counted."""
     rng = np.random.default_rng(seed)
     kinds = list(fields().values())
-    observers = [observer(field) for field in kinds]
+    observers = [Observer(field, SETTINGS) for field in kinds]
     met: Counter[str] = Counter()
     for number in range(count):
         field, eye = kinds[number % len(kinds)], observers[number % len(kinds)]
@@ -66,12 +75,12 @@ def compare(count: int, seed: int) -> Counter[str]:
         view = eye.observe(world, Team.BLUE, 1)
         assert view is not None
         scene = scene_of(world, field)
-        distances, edge_kinds = brute_force.edges(np.radians(ALL_ROUND_DEG) + world.robots[0].heading_rad, scene)
+        distances, edge_kinds = brute_force.edges(np.radians(np.arange(360.0)) + world.robots[0].heading_rad, scene)
         np.testing.assert_allclose(view.distances_m, distances, rtol=0.0, atol=1e-6, err_msg=f"{world}")
         np.testing.assert_array_equal(view.kinds, edge_kinds, err_msg=f"{world}")
-        away = np.linalg.norm(scene.robots - (scene.x, scene.y), axis=1)
-        assert view.overlap == bool((away <= RADIUS).any())
+        assert view.overlap == bool(brute_force.holding(scene).any())
         met["overlap"] += view.overlap
+        met["obstacle"] += bool((view.kinds == EdgeKind.UNKNOWN).any())
         met["nothing"] += bool((view.kinds == EdgeKind.NOTHING).any())
         if world.ball is None:
             assert view.ball is None
@@ -92,5 +101,5 @@ def test_300_random_worlds_agree_with_brute_force() -> None:
 @pytest.mark.slow
 def test_10000_random_worlds_agree_with_brute_force() -> None:
     met = compare(10_000, seed=2)
-    for event in ("overlap", "nothing", "hidden", "partial", "whole"):
+    for event in ("overlap", "obstacle", "nothing", "hidden", "partial", "whole"):
         assert met[event] >= 100, f"the worlds hardly ever show: {event}; {met}"

@@ -7,7 +7,8 @@ So each obstacle is cut to the disc of radius d around us, and what is left of i
 
 - a circle at distance D, radius R: +- asin(R / D) around its direction, if the tangents touch it within the
   disc, that is d^2 >= D^2 - R^2; otherwise +- acos((D^2 + d^2 - R^2) / (2 D d)), where the two circles cross;
-- a segment: from one end to the other of its piece within the disc (less than half a turn).
+- a segment: from one end to the other of its piece within the disc (less than half a turn);
+- a square: its four sides.
 
 What the union of these intervals leaves of the ball's interval is visible.
 """
@@ -18,9 +19,13 @@ import numpy as np
 
 from vision_core.geometry import Floats
 from vision_core.kernels import kernel
+from vision_core.types.tables import Table
+from vision_core.views.bodies import corner, holder
 
 SLIVER_RAD = 1e-9
 """Less than this between two hiding intervals is rounding: a corner that two walls share is closed."""
+SQUARE_REACH = math.sqrt(2.0) * (1.0 + 1e-9)
+"""A square's corner is so many half sides from its center."""
 
 
 @kernel
@@ -105,6 +110,76 @@ def visible_share(
     if visible >= 2.0 * alpha - SLIVER_RAD:
         return 1.0
     return visible / (2.0 * alpha) if visible > SLIVER_RAD else 0.0
+
+
+@kernel
+def share_in_view(
+    own: int,
+    ball_x_m: float,
+    ball_y_m: float,
+    ball_radius_m: float,
+    bodies: Table,
+    body_count: int,
+    walls_m: Floats,
+    hidden: Floats,
+) -> float:
+    """Share 0..1 of the ball's azimuth that a body sees from its center; exactly 1 when nothing hides any of it.
+
+    bodies: as ``bodies.lay_out`` has them; walls_m: solid segments x1 y1 x2 y2, shape (s, 4); hidden: room for two
+    angles of every wall and of four sides of every body, shape (2, n). A ball that we stand on is visible: nothing
+    is nearer.
+    """
+    x, y = bodies[own].x_m, bodies[own].y_m
+    bx, by = ball_x_m - x, ball_y_m - y
+    within = math.hypot(bx, by)
+    if within <= ball_radius_m:
+        return 1.0
+    if holder(x, y, own, bodies, body_count) >= 0:
+        return 0.0
+    azimuth, alpha = math.atan2(by, bx), math.asin(ball_radius_m / within)
+    toward_x, toward_y, aside = bx / within, by / within, ball_radius_m / within
+    count = 0
+    for k in range(len(walls_m)):
+        x1, y1, x2, y2 = walls_m[k, 0] - x, walls_m[k, 1] - y, walls_m[k, 2] - x, walls_m[k, 3] - y
+        direction, half = segment_shadow(x1, y1, x2, y2, within)
+        count = _hide(direction, half, azimuth, alpha, hidden, count)
+    for k in range(body_count):
+        dx, dy, radius = bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m
+        reach = radius * SQUARE_REACH if bodies[k].square else radius
+        if k == own or _clear_of(dx, dy, reach, toward_x, toward_y, aside, within):
+            continue
+        if bodies[k].square:
+            x1, y1 = corner(bodies[k], 0)
+            for side in range(1, 5):
+                x2, y2 = corner(bodies[k], side)
+                direction, half = segment_shadow(x1 - x, y1 - y, x2 - x, y2 - y, within)
+                count = _hide(direction, half, azimuth, alpha, hidden, count)
+                x1, y1 = x2, y2
+        else:
+            direction, half = circle_shadow(dx, dy, radius, within)
+            count = _hide(direction, half, azimuth, alpha, hidden, count)
+    visible = _uncovered(hidden[0, :count], hidden[1, :count], -alpha, alpha)
+    if visible >= 2.0 * alpha - SLIVER_RAD:
+        return 1.0
+    return visible / (2.0 * alpha) if visible > SLIVER_RAD else 0.0
+
+
+@kernel
+def _clear_of(x: float, y: float, radius: float, toward_x: float, toward_y: float, sine: float, within: float) -> bool:
+    """Is a circle for certain outside of the wedge from us round the ball, of half width asin(sine), or behind it?"""
+    along, aside = x * toward_x + y * toward_y, abs(x * toward_y - y * toward_x)
+    from_rim = aside * math.sqrt(1.0 - sine * sine) - along * sine
+    return from_rim > radius + SLIVER_RAD or along - radius > within
+
+
+@kernel
+def _hide(direction: float, half: float, azimuth: float, alpha: float, hidden: Floats, count: int) -> int:
+    """Note what an interval hides of the ball's, which reaches alpha to either side of azimuth; the new count."""
+    offset = _turn(direction - azimuth)
+    if half > 0.0 and offset - half < alpha and offset + half > -alpha:
+        hidden[0, count], hidden[1, count] = max(offset - half, -alpha), min(offset + half, alpha)
+        return count + 1
+    return count
 
 
 @kernel
