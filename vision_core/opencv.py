@@ -29,6 +29,7 @@ FIXED = 1 << FIXED_BITS
 
 MOST_HZ = 1000.0
 VIDEOS = "a video that FFmpeg can decode: MP4, AVI, MKV, ..."
+YUYV = cv2.VideoWriter.fourcc(*"YUYV")
 CAMERA_BUFFERS = 2
 """One fills while the other is read: more only make late frames later."""
 
@@ -52,6 +53,14 @@ def read_picture(path: Path) -> Bytes:
 def ycc_picture(image: Bytes) -> Bytes:
     """Luma, Cb, Cr (ITU-R BT.601, full range, 128 for no chroma) of a picture: same shape."""
     return cast("Bytes", cv2.cvtColor(image, cv2.COLOR_BGR2YCrCb)[..., (0, 2, 1)])
+
+
+def write_yuyv(image: Bytes, pixels: Bytes) -> None:
+    """Write a camera's YUYV 4:2:2 buffer as blue green red, in one pass: shapes (height, width, 2), (height, width, 3).
+
+    ITU-R BT.601 with luma 16..235, as V4L2 has it by default.
+    """
+    cv2.cvtColor(image, cv2.COLOR_YUV2BGR_YUYV, dst=pixels)
 
 
 def write_picture(path: Path, image: Bytes) -> None:
@@ -139,7 +148,12 @@ class Video:
     def read(self, pixels: Bytes) -> bool:
         """Wait for the next frame and write it into pixels, shape (height, width, 3); False: none, or another size."""
         fine, image = self._capture.read()
-        if not fine or image.shape != pixels.shape:
+        if not fine or image.shape[:2] != pixels.shape[:2]:
+            return False
+        if image.shape[2:] == (2,):
+            write_yuyv(cast("Bytes", image), pixels)
+            return True
+        if image.shape != pixels.shape:
             return False
         np.copyto(pixels, image)
         return True
@@ -179,4 +193,6 @@ def open_camera(device: str, width_px: int, height_px: int, rate_hz: float) -> V
         (cv2.CAP_PROP_BUFFERSIZE, CAMERA_BUFFERS),
     ):
         capture.set(key, value)
+    if int(capture.get(cv2.CAP_PROP_FOURCC)) == YUYV:
+        capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)  # its buffer as it is: converted once, where it is to go
     return Video(capture)

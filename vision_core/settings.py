@@ -160,16 +160,6 @@ class SamplingSettings(Record, frozen=True):
     luma_weight: Annotated[float, Meta(ge=0.0, le=4.0, description="what a level of luma counts beside one of chroma")]
 
 
-LIGHT_AS_IT_IS = LightSettings(
-    adapt=False,
-    black_bgr=(0.0, 0.0, 0.0),
-    band=(0.25, 0.75),
-    reference_bgr=(60.0, 110.0, 60.0),
-    white_balance=True,
-    beyond_m=0.0,
-)
-
-
 class ColorSettings(Record, frozen=True):
     """Color classes. A class is one box or several; where two claim a color, the one listed first wins."""
 
@@ -178,9 +168,9 @@ class ColorSettings(Record, frozen=True):
         Meta(description="hsv: hue, saturation, value; ymp: luma, module, phase; ec: luma, hue, saturation"),
     ]
     classes: dict[str, tuple[ColorRange, ...]]
-    samples: dict[str, tuple[HexColor, ...]] = {}
-    sampling: SamplingSettings = SamplingSettings(tolerance=20.0, luma_weight=0.3)
-    light: LightSettings = LIGHT_AS_IT_IS
+    samples: dict[str, tuple[HexColor, ...]]
+    sampling: SamplingSettings
+    light: LightSettings
 
 
 class BlobSettings(Record, frozen=True):

@@ -1,13 +1,17 @@
 """The color table: every cell as its boxes say, the order of the classes, the index."""
 
+import msgspec
 import numpy as np
 import pytest
 
 from vision_core.color.lookup_table import cell_centers, compile_color_table, keep_classes
 from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
-from vision_core.settings import ColorRange, ColorSettings
+from vision_core.settings import ColorRange
+from vision_core.settings_files import load_settings
 
-RED_AND_SKY = ColorSettings(
+COLORS = load_settings().colors
+RED_AND_SKY = msgspec.structs.replace(
+    COLORS,
     space="hsv",
     classes={
         "red": (ColorRange(hue_deg=(350.0, 10.0), saturation=(0.5, 1.0)),),
@@ -45,14 +49,16 @@ def test_every_cell_is_what_its_boxes_say() -> None:
 
 
 def test_a_hue_of_the_ecimage_claims_no_greys() -> None:
-    table = compile_color_table(ColorSettings(space="ec", classes={"any": (ColorRange(hue_deg=(0.0, 360.0)),)}))
+    table = compile_color_table(
+        msgspec.structs.replace(COLORS, space="ec", classes={"any": (ColorRange(hue_deg=(0.0, 360.0)),)})
+    )
     module = ymp_from_bgr(cell_centers())[:, 1]
     assert ((table.classes == 1) == (module >= 6.0)).all()
 
 
 def test_order_of_classes_decides_disputes() -> None:
     box = (ColorRange(luma=(100.0, 150.0)),)
-    table = compile_color_table(ColorSettings(space="ymp", classes={"first": box, "second": box}))
+    table = compile_color_table(msgspec.structs.replace(COLORS, space="ymp", classes={"first": box, "second": box}))
     luma = ymp_from_bgr(cell_centers())[:, 0]
     cells = int(((luma >= 100) & (luma <= 150)).sum())
     assert set(np.unique(table.classes).tolist()) == {0, 1}
@@ -61,7 +67,9 @@ def test_order_of_classes_decides_disputes() -> None:
 
 @pytest.mark.parametrize("bounds", [(350.0, 10.0), (-10.0, 10.0), (350.0, 370.0)])
 def test_angles_wrap(bounds: tuple[float, float]) -> None:
-    table = compile_color_table(ColorSettings(space="hsv", classes={"red": (ColorRange(hue_deg=bounds),)}))
+    table = compile_color_table(
+        msgspec.structs.replace(COLORS, space="hsv", classes={"red": (ColorRange(hue_deg=bounds),)})
+    )
     hue = hsv_from_bgr(cell_centers())[:, 0]
     assert ((table.classes == 1) == ((hue >= 350) | (hue <= 10))).all()
 

@@ -1,5 +1,6 @@
 """Classes by samples: the nearest sample decides, and nothing reaches farther than the tolerance."""
 
+import msgspec
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,15 +9,18 @@ from vision_core.color.explain import verdicts
 from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.color.samples import bgr_from_hex, claims_by_samples, hex_from_bgr, nearest_samples
 from vision_core.color.spaces import ycc_from_bgr
-from vision_core.settings import ColorRange, ColorSettings, SamplingSettings
+from vision_core.settings import ColorRange, SamplingSettings
+from vision_core.settings_files import load_settings
 
+COLORS = load_settings().colors
 SAMPLING = SamplingSettings(tolerance=25.0, luma_weight=0.3)
 SAMPLES = {
     "orange": ("#e06a2c", "#b84e1f"),
     "none": ("#3c7a44", "#d8dcd2"),
     "blue": ("#2050c0",),
 }
-BOTH = ColorSettings(
+BOTH = msgspec.structs.replace(
+    COLORS,
     space="ymp",
     classes={"pink": (ColorRange(phase_deg=(35.0, 95.0), module=(38.0, 181.0)),)},
     samples=SAMPLES,
@@ -81,6 +85,6 @@ def test_verdicts_agree_with_the_table_and_name_the_miss() -> None:
 
 
 def test_a_grey_is_told_to_have_no_hue() -> None:
-    settings = ColorSettings(space="ec", classes={"red": (ColorRange(hue_deg=(80.0, 120.0)),)})
+    settings = msgspec.structs.replace(COLORS, space="ec", classes={"red": (ColorRange(hue_deg=(80.0, 120.0)),)})
     (red,) = verdicts(np.array([90.0, 90.0, 90.0]), settings)
     assert "too grey" in red.why

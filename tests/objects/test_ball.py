@@ -9,7 +9,7 @@ import pytest
 from tests.objects.drawing import SETTINGS, TABLE, Picture, overhead_camera
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.objects.ball import find_balls
-from vision_core.settings import BallSettings, ColorRange, ColorSettings, FieldSettings
+from vision_core.settings import BallSettings, ColorRange, FieldSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import BallSighting, RobotSighting, Team
 
@@ -117,7 +117,7 @@ def test_off_the_field(drawn: Picture, place: tuple[float, float]) -> None:
 def test_surroundings(drawn: Picture, place: tuple[float, float]) -> None:
     drawn.paint_ball(*place)
     carpet = (ColorRange(hue_deg=(90.0, 150.0), saturation=(0.3, 0.7), value=(0.2, 0.5)),)
-    colors = ColorSettings(space="hsv", classes={**SETTINGS.colors.classes, "carpet": carpet})
+    colors = msgspec.structs.replace(SETTINGS.colors, classes={**SETTINGS.colors.classes, "carpet": carpet})
     table = compile_color_table(colors)
     wanted = ball_settings(surrounding=("carpet",), min_surrounding=0.9)
     assert len(found(drawn, wanted, table=table)[0]) == 1
