@@ -22,11 +22,14 @@ from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.kernels import kernel
 
 SECTORS = 16
-BAND_PX = 1.25
+BAND_PX = 1.1
 """Half the width of the band over the rim: what a sharp lens smears it over, and the error of a centroid."""
 OUTSIDE_PX = 1.6
-INSIDE_PX = 1.55, 2.25
-"""Where the colors beyond and inside the rim are taken, from the rim."""
+PAPER_INSIDE_PX, SPHERE_INSIDE_PX = 1.55, 0.9
+"""Where the colors beyond and inside the rim are taken, from the rim: of flat paper where the lens smears nothing
+over it; of a ball, whose shade changes within few pixels, nearer to the rim."""
+SECOND_INSIDE = 1.4
+"""Where the inner color is taken a second time, in distances of the first."""
 LEAST_RADIUS = 0.3
 """In radii: not nearer to the center, for circles of few pixels."""
 RAMP_PX = 1.5
@@ -52,10 +55,10 @@ OUTLIER_SD, LEAST_OUTLIER_PX = 2.5, 0.1
 UNREFINED_SD = 0.05
 """Deviation of a center that could not be refined, in radii."""
 
-PIXELS, SHARES, RIM_X, RIM_Y, WEIGHT_B, WEIGHT_G, WEIGHT_R, OUT_B, OUT_G, OUT_R, USED = range(11)
-COLUMNS = 11
+PIXELS, SHARES, RIM_X, RIM_Y, WEIGHT_B, WEIGHT_G, WEIGHT_R, OFFSET, OUT_B, OUT_G, OUT_R, USED = range(12)
+COLUMNS = 12
 """Columns of the memory: of each sector its pixels, their surplus of share (then: its displacement), the rim's mean
-normal, the weights that unmix, the color beyond, and whether it takes part."""
+normal, the weights and the offset that unmix, the color beyond, and whether it takes part."""
 
 _TURNS = (np.arange(SECTORS) + 0.5) * (math.tau / SECTORS)
 _NORMALS = frozen(np.column_stack([np.cos(_TURNS), np.sin(_TURNS)]))
@@ -76,19 +79,22 @@ def refined_circle(
     pixels: shape (height, width, 3); x_px, y_px: its blob's centroid; radius_px: about as the camera predicts;
     memory: of ``center_memory``. What cannot be refined keeps its centroid, with a large deviation.
     """
-    x, y, sd, _ = fitted_circle(pixels, x_px, y_px, radius_px, memory)
+    x, y, sd, _ = fitted_circle(pixels, x_px, y_px, radius_px, PAPER_INSIDE_PX, memory)
     return x, y, sd
 
 
 @kernel
 def fitted_circle(
-    pixels: Bytes, x_px: float, y_px: float, radius_px: float, memory: Floats
+    pixels: Bytes, x_px: float, y_px: float, radius_px: float, inside_px: float, memory: Floats
 ) -> tuple[float, float, float, int]:
-    """As ``refined_circle``, and the number of sectors that the circle goes through; 0 when not refined."""
+    """As ``refined_circle``, and the number of sectors that the circle goes through; 0 when not refined.
+
+    inside_px: how far inside the rim its color is taken.
+    """
     height, width, _ = pixels.shape
     if not (0.0 < radius_px < width and 0.0 <= x_px < width and 0.0 <= y_px < height):
         return x_px, y_px, UNREFINED_SD * max(radius_px, 1.0), 0
-    _unmix(pixels, x_px, y_px, radius_px, memory)
+    _unmix(pixels, x_px, y_px, radius_px, inside_px, memory)
     _measure_rim(pixels, x_px, y_px, radius_px, memory)
     dx, dy, sd, used = _fit(radius_px, memory)
     if used < FEWEST_SECTORS or not dx * dx + dy * dy <= LARGEST_SHIFT_PX * LARGEST_SHIFT_PX:
@@ -97,7 +103,7 @@ def fitted_circle(
 
 
 @kernel
-def _unmix(pixels: Bytes, x: float, y: float, radius: float, memory: Floats) -> None:
+def _unmix(pixels: Bytes, x: float, y: float, radius: float, inside: float, memory: Floats) -> None:
     """Find each sector's colors and the weights that tell the share of the inner one: w (color - background)."""
     for k in range(SECTORS):
         reach = radius + OUTSIDE_PX
@@ -105,7 +111,8 @@ def _unmix(pixels: Bytes, x: float, y: float, radius: float, memory: Floats) -> 
         for channel in range(3):
             memory[k, OUT_B + channel] = pixels[v, u, channel]
     blue, green, red = _background(memory)
-    near, far = max(radius - INSIDE_PX[0], LEAST_RADIUS * radius), max(radius - INSIDE_PX[1], LEAST_RADIUS * radius)
+    near = max(radius - inside, LEAST_RADIUS * radius)
+    far = max(radius - SECOND_INSIDE * inside, LEAST_RADIUS * radius)
     for k in range(SECTORS):
         c, s = _NORMALS[k, 0], _NORMALS[k, 1]
         v, u = _pixel_at(pixels, x + near * c, y + near * s)
@@ -123,7 +130,7 @@ def _unmix(pixels: Bytes, x: float, y: float, radius: float, memory: Floats) -> 
         memory[k, WEIGHT_B] = inner * f0 - outer * q0
         memory[k, WEIGHT_G] = inner * f1 - outer * q1
         memory[k, WEIGHT_R] = inner * f2 - outer * q2
-    memory[0, PIXELS], memory[1, PIXELS], memory[2, PIXELS] = blue, green, red
+        memory[k, OFFSET] = -(memory[k, WEIGHT_B] * blue + memory[k, WEIGHT_G] * green + memory[k, WEIGHT_R] * red)
 
 
 @kernel
@@ -155,18 +162,14 @@ def _background(memory: Floats) -> tuple[float, float, float]:
 
 @kernel
 def _difference(memory: Floats, k: int, j: int) -> float:
-    return (
-        abs(memory[k, OUT_B] - memory[j, OUT_B])
-        + abs(memory[k, OUT_G] - memory[j, OUT_G])
-        + abs(memory[k, OUT_R] - memory[j, OUT_R])
-    )
+    blue, green = abs(memory[k, OUT_B] - memory[j, OUT_B]), abs(memory[k, OUT_G] - memory[j, OUT_G])
+    return float(blue + green + abs(memory[k, OUT_R] - memory[j, OUT_R]))
 
 
 @kernel
 def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Floats) -> None:
     """How far the rim lies outside of the supposed circle in every sector [px], and its mean normal."""
     height, width, _ = pixels.shape
-    blue, green, red = memory[0, PIXELS], memory[1, PIXELS], memory[2, PIXELS]
     for k in range(SECTORS):
         memory[k, PIXELS] = memory[k, SHARES] = memory[k, RIM_X] = memory[k, RIM_Y] = 0.0
     outer, inner = radius + BAND_PX, max(radius - BAND_PX, 0.0)
@@ -184,9 +187,10 @@ def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Float
             rho = max(math.sqrt(dx * dx + dy * dy), 1e-9)
             k = _sector(dx, dy)
             share = (
-                memory[k, WEIGHT_B] * (pixels[v, u, 0] - blue)
-                + memory[k, WEIGHT_G] * (pixels[v, u, 1] - green)
-                + memory[k, WEIGHT_R] * (pixels[v, u, 2] - red)
+                memory[k, OFFSET]
+                + memory[k, WEIGHT_B] * pixels[v, u, 0]
+                + memory[k, WEIGHT_G] * pixels[v, u, 1]
+                + memory[k, WEIGHT_R] * pixels[v, u, 2]
             )
             expected = min(max(0.5 + (radius - rho) / RAMP_PX, 0.0), 1.0)
             memory[k, PIXELS] += 1.0
