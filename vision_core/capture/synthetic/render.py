@@ -1,7 +1,6 @@
 """Draws a snapshot of the world as the camera sees it."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +10,13 @@ from vision_core.capture.synthetic.background import make_background
 from vision_core.capture.synthetic.floor import FOOTPRINT_PX, GRID
 from vision_core.capture.synthetic.noise import SensorNoise
 from vision_core.capture.synthetic.physics import FRONT, no_bodies
-from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, draw_ball, draw_prism, draw_shadow
+from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, Prism, draw_ball, draw_prism, draw_shadow
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats
 from vision_core.pattern_files import Pattern, load_pattern
 from vision_core.settings import Settings
+from vision_core.settings_models import robots_of
 from vision_core.types.objects import Team
 
 PAINTS_BGR = {
@@ -28,6 +28,7 @@ PAINTS_BGR = {
     "red": (40, 40, 220),
     "cyan": (220, 210, 40),
     "purple": (170, 50, 120),
+    "magenta": (225, 45, 225),
     "white": (235, 235, 235),
 }
 """What markers and balls are painted with."""
@@ -49,19 +50,6 @@ RIM = np.column_stack([np.cos(np.arange(8) * math.pi / 4.0), np.sin(np.arange(8)
 """Corners of an octagon round the unit circle."""
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """A prism's shape and colors."""
-
-    radius_m: float
-    front_m: float
-    height_m: float
-    colors: Floats
-    """Top, side and every dot, shape (2 + k, 3)."""
-    dots: Floats
-    """x, y, radius [m], shape (k, 3)."""
-
-
 class Renderer:
     """Renders for one camera and venue. Making it takes a moment: the empty venue is rendered then."""
 
@@ -76,8 +64,8 @@ class Renderer:
         self._shadows = settings.synthetic.shadows
         self._ball_radius_m = settings.ball.radius_m
         self._ball_color = np.array(_paint(settings.ball.color, "ball.color"), dtype=np.float64)
-        pattern = load_pattern(settings.robots.pattern)
-        self._looks = [_robot_look(settings, pattern, team, worn_id) for team, worn_id in worn]
+        patterns = {team: load_pattern(robots_of(settings.robots, team).pattern) for team in Team}
+        self._looks = [_robot_look(settings, patterns[team], team, worn_id) for team, worn_id in worn]
 
     def draw(self, pixels: Bytes, scene: Snapshot) -> None:
         """Fill pixels, shape (height, width, 3), with the image of a scene."""
@@ -87,8 +75,8 @@ class Renderer:
         bodies = np.concatenate([feet, scene.robots, scene.ball[None]])
         looks = [*foot_looks, *self._looks]
         ball = len(looks)
-        radii = np.array([*(look.radius_m for look in looks), self._ball_radius_m])
-        heights = np.array([*(look.height_m for look in looks), 2.0 * self._ball_radius_m])
+        radii = np.array([*(_reach_m(look) for look in looks), self._ball_radius_m])
+        heights = np.array([*(look.height for look in looks), 2.0 * self._ball_radius_m])
         reach = radii + self._half_exposure_s * np.hypot(bodies[:, 3], bodies[:, 4])
         bases = bodies[:, :2].copy()
         tips = bases + np.outer(np.minimum(heights, 1.5 * radii), TIP_PER_M)
@@ -105,11 +93,7 @@ class Renderer:
                     bodies[i], self._ball_radius_m, self._ball_color,
                 )  # fmt: skip
             else:
-                look = looks[i]
-                draw_prism(
-                    pixels, still.floor, still.light, windows[i], self._eye, self._samples,
-                    bodies[i], look.radius_m, look.front_m, look.height_m, look.colors, look.dots,
-                )  # fmt: skip
+                draw_prism(pixels, still.floor, still.light, windows[i], self._eye, self._samples, bodies[i], looks[i])
         self._noise.add(pixels)
 
     def _windows(
@@ -141,22 +125,43 @@ def _samples(exposure_s: float) -> Floats:
     return np.column_stack([u.ravel(), v.ravel(), times.ravel()])
 
 
-def _robot_look(settings: Settings, pattern: Pattern, team: Team, worn_id: int) -> Look:
-    code = pattern.code_by_id.get(worn_id)
-    if code is None:
+def _robot_look(settings: Settings, pattern: Pattern, team: Team, worn_id: int) -> Prism:
+    if worn_id not in pattern.code_by_id:
         raise SourceError(
             f"synthetic: {team} robot with marker id {worn_id}",
             found=f"no such id in pattern {pattern.name}",
             accepted=", ".join(pattern.code.ids),
         )
-    names = {name[0].upper(): name for name in pattern.code.colors}
-    paints = [PLATE_BGR, BODY_BGR, _paint(team, "team"), *(_paint(names[letter], "dot_colors") for letter in code)]
-    circles = [patch.circle_mm for patch in pattern.patches if patch.circle_mm is not None]
-    dots = [(x, y, diameter / 2.0) for x, y, diameter in circles]
-    radius = settings.robots.radius_m
-    return Look(
-        radius, FRONT * radius, settings.robots.height_m, np.array(paints, dtype=np.float64), np.array(dots) / 1e3
-    )
+    worn = pattern.colors_worn(team, worn_id)
+    paints = [PLATE_BGR, BODY_BGR, *(_paint(color, f"pattern {pattern.name}") for color in worn)]
+    patches, corners = _patches(pattern)
+    shape = robots_of(settings.robots, team)
+    square = shape.outline == "square"
+    front = math.inf if square else FRONT * shape.radius_m
+    return Prism(shape.radius_m, front, square, shape.height_m, np.array(paints, dtype=np.float64), patches, corners)
+
+
+def _patches(pattern: Pattern) -> tuple[Floats, Floats]:
+    """Patches and corners of a ``Prism``."""
+    rows: list[tuple[float, ...]] = []
+    corners: list[tuple[float, float]] = []
+    for patch in pattern.patches:
+        if patch.circle_mm is not None:
+            x, y, diameter = patch.circle_mm
+            rows.append((x / 1e3, y / 1e3, diameter / 2.0 / 1e3, 0, 0))
+        else:
+            assert patch.polygon_mm is not None
+            polygon = np.array(patch.polygon_mm[:-1]) / 1e3
+            middle = polygon.mean(axis=0)
+            radius = float(np.hypot(*(polygon - middle).T).max())
+            rows.append((*middle.tolist(), radius, len(corners), len(corners) + len(polygon)))
+            corners += [(x, y) for x, y in polygon.tolist()]
+    return np.array(rows, dtype=np.float64), np.array(corners, dtype=np.float64).reshape(-1, 2)
+
+
+def _reach_m(prism: Prism) -> float:
+    """How far a body reaches from its center."""
+    return prism.radius * (math.sqrt(2.0) if prism.square else 1.0)
 
 
 def _paint(name: str, asked: str) -> tuple[int, int, int]:
@@ -165,10 +170,11 @@ def _paint(name: str, asked: str) -> tuple[int, int, int]:
     return PAINTS_BGR[name]
 
 
-def _plain(size_m: tuple[float, float], bgr: tuple[int, int, int]) -> Look:
+def _plain(size_m: tuple[float, float], bgr: tuple[int, int, int]) -> Prism:
     """A cylinder of one color."""
     radius, height = size_m
-    return Look(radius, math.inf, height, np.array([bgr, bgr], dtype=np.float64), np.empty((0, 3)))
+    colors = np.array([bgr, bgr], dtype=np.float64)
+    return Prism(radius, math.inf, False, height, colors, np.empty((0, 5)), np.empty((0, 2)))
 
 
 FOOT_PARTS = (
@@ -178,7 +184,7 @@ FOOT_PARTS = (
 """A foot is a shoe of four discs and the leg above; how far forward each lies [m], and its look."""
 
 
-def _prisms_of_feet(feet: Floats) -> tuple[Floats, list[Look]]:
+def _prisms_of_feet(feet: Floats) -> tuple[Floats, list[Prism]]:
     """All parts of all feet, shape (5 m, 6), and what they look like."""
     parts = no_bodies(len(feet) * len(FOOT_PARTS))
     looks = []

@@ -6,6 +6,7 @@ of ``background`` and the optical center, called eye. Bodies are rows of ``physi
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,31 @@ from vision_core.capture.synthetic.floor import FloatImage
 from vision_core.geometry import Bytes, Floats
 from vision_core.kernels import kernel
 
-EDGE, NOTHING, TOP, SIDE, FIRST_DOT = -2, -1, 0, 1, 2
+EDGE, NOTHING, TOP, SIDE, FIRST_PATCH = -2, -1, 0, 1, 2
 """Materials of a prism: index into its colors, none, or more than one in a pixel."""
 
 LIGHT_X, LIGHT_Y, LIGHT_Z = -0.36, 0.22, 0.906
 """Unit vector to the lamps."""
 AMBIENT, DIFFUSE, HIGHLIGHT, GLOSS = 0.55, 0.48, 80.0, 24.0
 """How a ball is lit: at least, by the lamps, the gleam in grey levels and how narrow it is."""
+
+
+class Prism(NamedTuple):
+    """An upright body and what is painted on its top, in its own space [m]."""
+
+    radius: float
+    """Of a round body, or half the side of a square one."""
+    front: float
+    """A round body is cut flat there; inf: it is not."""
+    square: bool
+    height: float
+    colors: Floats
+    """Of top, side and every patch, shape (2 + k, 3)."""
+    patches: Floats
+    """x, y, radius of each, or of the circle round a polygon, then its first corner and the one after its last, which
+    are the same for a circle; shape (k, 5)."""
+    corners: Floats
+    """Of all polygons, shape (c, 2)."""
 
 
 @kernel
@@ -48,22 +67,20 @@ def draw_shadow(
 @kernel
 def draw_prism(
     pixels: Bytes, floor: FloatImage, light: FloatImage, window: NDArray[np.int64], eye: Floats, samples: Floats,
-    body: Floats, radius: float, front: float, height: float, colors: Floats, dots: Floats,
+    body: Floats, prism: Prism,
 ) -> None:  # fmt: skip
-    """Draw an upright cylinder, cut flat where its own x is front [m], with dots on its top.
-
-    colors: of top, side and every dot, shape (2 + k, 3); dots: x, y, radius in the body's space, shape (k, 3) [m].
-    """
+    """Draw an upright prism with patches on its top."""
+    colors, radius = prism.colors, prism.radius
     poses = _poses(body, samples)
     still = np.array([body[0], body[1], math.cos(body[2]), math.sin(body[2])])
-    lift = height / eye[2]
+    lift = prism.height / eye[2]
     reach_px = np.abs(samples[:, :2]).max()
     smear = (math.hypot(body[3], body[4]) + abs(body[5]) * radius) * np.abs(samples[:, 2]).max()
     for v in range(window[1], window[3]):
         for u in range(window[0], window[2]):
             x, y, ux, uy, vx, vy = pixel_on_floor(floor, u, v)
             margin = reach_px * math.sqrt(ux * ux + uy * uy + vx * vx + vy * vy) + smear
-            material = _material(x, y, still, eye, lift, radius, front, dots, margin)
+            material = _material(x, y, still, eye, lift, prism, margin)
             if material == NOTHING:
                 continue
             if material != EDGE:
@@ -72,9 +89,7 @@ def draw_prism(
             blue = green = red = covered = 0.0
             for k in range(len(samples)):
                 du, dv = samples[k, 0], samples[k, 1]
-                material = _material(
-                    x + du * ux + dv * vx, y + du * uy + dv * vy, poses[k], eye, lift, radius, front, dots, 0.0
-                )
+                material = _material(x + du * ux + dv * vx, y + du * uy + dv * vy, poses[k], eye, lift, prism, 0.0)
                 if material != NOTHING:
                     blue += colors[material, 0]
                     green += colors[material, 1]
@@ -110,30 +125,86 @@ def pixel_on_floor(floor: FloatImage, u: int, v: int) -> tuple[float, float, flo
 
 
 @kernel
-def _material(
-    x: float, y: float, pose: Floats, eye: Floats, lift: float, radius: float, front: float, dots: Floats, margin: float
-) -> int:
+def _material(x: float, y: float, pose: Floats, eye: Floats, lift: float, prism: Prism, margin: float) -> int:
     """What the ray that would meet the floor at x, y meets of a prism; EDGE where a margin [m] changes that."""
     c, s = pose[2], pose[3]
     dx, dy = x - pose[0], y - pose[1]
     px, py = c * dx + s * dy, c * dy - s * dx
     dx, dy = dx + (eye[0] - x) * lift, dy + (eye[1] - y) * lift
     tx, ty = c * dx + s * dy, c * dy - s * dx
-    away2 = tx * tx + ty * ty
-    if tx < front - margin and away2 < (radius - margin) ** 2:
-        for j in range(len(dots)):
-            gap2 = (tx - dots[j, 0]) ** 2 + (ty - dots[j, 1]) ** 2
-            if gap2 < (dots[j, 2] + margin) ** 2:
-                return FIRST_DOT + j if gap2 < max(dots[j, 2] - margin, 0.0) ** 2 else EDGE
-        return TOP
-    if not meets_prism(px, py, tx, ty, radius + margin, front + margin):
+    radius, front, square = prism.radius, prism.front, prism.square
+    if _on_top(tx, ty, radius - margin, front - margin, square):
+        return _patch_at(tx, ty, prism.patches, prism.corners, margin)
+    if not meets_body(px, py, tx, ty, radius + margin, front + margin, square):
         return NOTHING
     if margin > 0.0 and (
-        (tx < front + margin and away2 < (radius + margin) ** 2)
-        or not meets_prism(px, py, tx, ty, radius - margin, front - margin)
+        _on_top(tx, ty, radius + margin, front + margin, square)
+        or not meets_body(px, py, tx, ty, radius - margin, front - margin, square)
     ):
         return EDGE
     return SIDE
+
+
+@kernel
+def _on_top(x: float, y: float, radius: float, front: float, square: bool) -> bool:
+    if square:
+        return max(abs(x), abs(y)) < radius
+    return x < front and x * x + y * y < radius**2
+
+
+@kernel
+def _patch_at(x: float, y: float, patches: Floats, corners: Floats, margin: float) -> int:
+    """The patch at a point of the top, TOP for none, EDGE where a margin changes that."""
+    for j in range(len(patches)):
+        gap2 = (x - patches[j, 0]) ** 2 + (y - patches[j, 1]) ** 2
+        if gap2 < (patches[j, 2] + margin) ** 2:
+            first, last = int(patches[j, 3]), int(patches[j, 4])
+            if first == last:
+                return FIRST_PATCH + j if gap2 < max(patches[j, 2] - margin, 0.0) ** 2 else EDGE
+            depth = polygon_depth(x, y, corners, first, last)
+            if depth > -margin:
+                return FIRST_PATCH + j if depth > margin or margin == 0.0 else EDGE
+    return TOP
+
+
+@kernel
+def polygon_depth(x: float, y: float, corners: Floats, first: int, last: int) -> float:
+    """How far a point lies inside of the polygon of some corners: the distance to its rim, negative outside."""
+    nearest2, inside = np.inf, False
+    x1, y1 = corners[last - 1, 0], corners[last - 1, 1]
+    for k in range(first, last):
+        x2, y2 = corners[k, 0], corners[k, 1]
+        sx, sy, dx, dy = x2 - x1, y2 - y1, x - x1, y - y1
+        along = min(max((dx * sx + dy * sy) / (sx * sx + sy * sy), 0.0), 1.0)
+        nearest2 = min(nearest2, (dx - along * sx) ** 2 + (dy - along * sy) ** 2)
+        if (y1 > y) != (y2 > y) and dx < dy * sx / sy:
+            inside = not inside
+        x1, y1 = x2, y2
+    return math.sqrt(nearest2) if inside else -math.sqrt(nearest2)
+
+
+@kernel
+def meets_body(x1: float, y1: float, x2: float, y2: float, radius: float, front: float, square: bool) -> bool:
+    """Does a line on the floor, in the body's own space, meet its outline?"""
+    if square:
+        return meets_square(x1, y1, x2, y2, radius)
+    return meets_prism(x1, y1, x2, y2, radius, front)
+
+
+@kernel
+def meets_square(x1: float, y1: float, x2: float, y2: float, half: float) -> bool:
+    """Does a line meet the upright square of a half side round the origin? By cutting it with both strips."""
+    if half <= 0.0:
+        return False
+    start, end = 0.0, 1.0
+    for place, way in ((x1, x2 - x1), (y1, y2 - y1)):
+        if way == 0.0:
+            if abs(place) >= half:
+                return False
+            continue
+        one, other = (-half - place) / way, (half - place) / way
+        start, end = max(start, min(one, other)), min(end, max(one, other))
+    return start < end or (start == end and max(abs(x1), abs(y1)) < half)
 
 
 @kernel

@@ -1,6 +1,7 @@
 """What the simulated camera knows of its own image. For scoring only: nothing that perceives may see it."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +9,13 @@ from numpy.typing import NDArray
 
 from vision_core.camera_model import CameraModel
 from vision_core.capture.synthetic.physics import FRONT
-from vision_core.capture.synthetic.sprites import meets_prism
+from vision_core.capture.synthetic.sprites import meets_body
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, wrap_angle
 from vision_core.kernels import kernel
 from vision_core.settings import Settings
+from vision_core.settings_models import robots_of
 from vision_core.types.objects import Team
 
 Mask = NDArray[np.bool_]
@@ -58,41 +60,46 @@ def truth_of(
     instant: Instant, scene: Snapshot, worn: tuple[tuple[Team, int], ...], camera: CameraModel, settings: Settings
 ) -> Truth:
     """The truth of a scene; worn: team and marker id of each robot."""
-    inside = _tops_inside(scene.robots, camera, settings)
+    shapes = _shapes(worn, settings)
+    inside = _tops_inside(scene.robots, shapes, camera, settings)
     robots = tuple(
         RobotTruth(team, worn_id, float(body[0]), float(body[1]), wrap_angle(float(body[2])), bool(seen))
         for (team, worn_id), body, seen in zip(worn, scene.robots, inside, strict=True)
     )
     x, y = scene.ball[:2].tolist()
-    return Truth(instant, robots, BallTruth(x, y, visible_share(scene, camera, settings)))
+    return Truth(instant, robots, BallTruth(x, y, visible_share(scene, camera, settings, shapes)))
 
 
-def visible_share(scene: Snapshot, camera: CameraModel, settings: Settings) -> float:
-    """The share of the ball's disc, as the camera sees it, that is inside the image and not hidden by a robot."""
+def visible_share(scene: Snapshot, camera: CameraModel, settings: Settings, shapes: Floats | None = None) -> float:
+    """The share of the ball's disc, as the camera sees it, that is inside the image and not hidden by a robot.
+
+    shapes: of the robots, as ``_shapes``; without them all are blue.
+    """
+    if shapes is None:
+        shapes = _shapes([(Team.BLUE, 0)] * len(scene.robots), settings)
     points = _disc(scene.ball, settings.ball.radius_m, camera.position_m)
     inside = _in_image(camera.pixel_from_field(points[:, :2], points[:, 2]), settings)
-    radius = settings.robots.radius_m
-    clear = clear_points(
-        points, np.array(camera.position_m), scene.robots, radius, FRONT * radius, settings.robots.height_m
-    )
+    clear = clear_points(points, np.array(camera.position_m), scene.robots, shapes)
     return float((inside & clear).mean())
 
 
 @kernel
-def clear_points(
-    points: Floats, eye: Floats, robots: Floats, radius: float, front: float, height: float
-) -> Mask:  # fmt: skip
-    """Which points, shape (n, 3), no robot hides from the eye; shape (n,)."""
+def clear_points(points: Floats, eye: Floats, robots: Floats, shapes: Floats) -> Mask:
+    """Which points, shape (n, 3), no robot hides from the eye; shape (n,).
+
+    shapes: radius, front, height [m] and whether it is a square, of every robot, shape (m, 4).
+    """
     clear = np.ones(len(points), dtype=np.bool_)
     for i in range(len(points)):
         x, y, z = points[i]
-        lift = (height - z) / (eye[2] - z)
         for j in range(len(robots)):
+            lift = (shapes[j, 2] - z) / (eye[2] - z)
             c, s = math.cos(robots[j, 2]), math.sin(robots[j, 2])
             dx, dy = x - robots[j, 0], y - robots[j, 1]
             ex, ey = dx + (eye[0] - x) * lift, dy + (eye[1] - y) * lift
             near, aside = c * dx + s * dy, c * dy - s * dx
-            if meets_prism(near, aside, c * ex + s * ey, c * ey - s * ex, radius, front):
+            tx, ty = c * ex + s * ey, c * ey - s * ex
+            if meets_body(near, aside, tx, ty, shapes[j, 0], shapes[j, 1], shapes[j, 3] > 0.0):
                 clear[i] = False
                 break
     return clear
@@ -113,11 +120,23 @@ def _disc(ball: Floats, radius_m: float, eye: Floats) -> Floats:
     return points
 
 
-def _tops_inside(robots: Floats, camera: CameraModel, settings: Settings) -> Mask:
+def _shapes(worn: Sequence[tuple[Team, int]], settings: Settings) -> Floats:
+    """Radius, front, height [m] and whether it is a square, of every robot, shape (n, 4)."""
+    rows = []
+    for team, _ in worn:
+        shape = robots_of(settings.robots, team)
+        square = shape.outline == "square"
+        front = math.inf if square else FRONT * shape.radius_m
+        rows.append((shape.radius_m, front, shape.height_m, float(square)))
+    return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+
+def _tops_inside(robots: Floats, shapes: Floats, camera: CameraModel, settings: Settings) -> Mask:
     turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
-    rim = settings.robots.radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
+    reach = shapes[:, 0] * np.where(shapes[:, 3] > 0.0, math.sqrt(2.0), 1.0)
+    rim = reach[:, None, None] * np.column_stack([np.cos(turns), np.sin(turns)])
     points = (robots[:, None, :2] + rim).reshape(-1, 2)
-    pixels = camera.pixel_from_field(points, settings.robots.height_m)
+    pixels = camera.pixel_from_field(points, np.repeat(shapes[:, 2], RIM_POINTS))
     return np.asarray(_in_image(pixels, settings).reshape(-1, RIM_POINTS).all(axis=1))
 
 

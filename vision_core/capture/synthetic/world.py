@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vision_core.capture.synthetic.physics import HEADING, STEP_S, TURN, VX, VY, X, Y, move, no_bodies
+from vision_core.capture.synthetic.physics import FRONT, HEADING, STEP_S, TURN, VX, VY, X, Y, move, no_bodies
 from vision_core.capture.synthetic.players import Player, Players
 from vision_core.field_model import accepted_half_extent, field_segments, goal_line_x, is_accepted
 from vision_core.geometry import Floats, wrap_angle
-from vision_core.settings import Settings
+from vision_core.settings import RobotSettings, Settings
+from vision_core.settings_models import robots_of
 from vision_core.types.objects import Team
 
 DECIDE_EVERY = 8
@@ -44,7 +45,7 @@ class World:
         field = settings.field
         self._field = field
         self._rng = np.random.default_rng([settings.synthetic.seed, 1])
-        self._radii = np.array([settings.robots.radius_m, settings.ball.radius_m])
+        self._radii = np.array([_disc_radius_m(settings.robots), settings.ball.radius_m])
         self._half = np.array(accepted_half_extent(field))
         self._goal_x = goal_line_x(field)
         self._moving = settings.synthetic.speed_m_s > 0.0
@@ -126,6 +127,12 @@ class World:
         clear = np.flatnonzero(gaps >= clearance_m)
         chosen: Floats = places[clear[0] if len(clear) else int(gaps.argmax())]
         return chosen
+
+
+def _disc_radius_m(robots: RobotSettings) -> float:
+    """Robots move as discs that are cut flat in front. A square one fits into a disc whose flat front is its own."""
+    shapes = [robots_of(robots, team) for team in Team]
+    return max(shape.radius_m / FRONT if shape.outline == "square" else shape.radius_m for shape in shapes)
 
 
 def _line_up(settings: Settings) -> tuple[tuple[Team, int], ...]:
