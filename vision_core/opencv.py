@@ -92,9 +92,16 @@ def draw_line(image: Bytes, start_px: Point, end_px: Point, bgr: Color, thicknes
 
 def draw_text(image: Bytes, text: str, left_bottom_px: Point, bgr: Color, scale: float = 0.5) -> None:
     """Write one line of ASCII into a picture, dark rimmed, readable on any ground."""
-    place = (round(left_bottom_px[0]), round(left_bottom_px[1]))
-    for color, thickness in (((0, 0, 0), 3), (bgr, 1)):
-        cv2.putText(image, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, color, thickness, cv2.LINE_AA)
+    x, y = round(left_bottom_px[0]), round(left_bottom_px[1])
+    rim = [(x + right, y + down, (0, 0, 0)) for right in (-1, 0, 1) for down in (-1, 0, 1)]
+    for left, bottom, color in (*rim, (x, y, bgr)):  # a thicker pen would make longer words
+        cv2.putText(image, text, (left, bottom), cv2.FONT_HERSHEY_SIMPLEX, scale, color, 1, cv2.LINE_AA)
+
+
+def text_size(text: str, scale: float) -> tuple[int, int]:
+    """Width and height of a line of text as ``draw_text`` writes it [px]."""
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
+    return int(width), int(height)
 
 
 def _fixed(point_px: Point) -> tuple[int, int]:
