@@ -9,6 +9,7 @@ import pytest
 
 from tests.net.serving import Stadium, robot
 from vision_core.clock import Instant
+from vision_core.net.batch import Batch
 from vision_core.net.server import MOST_DATAGRAMS
 from vision_core.net.udp import Outcome, SessionSocket
 from vision_core.protocol.lifecycle import Change, State
@@ -17,9 +18,9 @@ from vision_core.protocol.session import Reply, SessionClosed, SessionMoved, Ses
 EDGES = b"w2c" * 360
 
 
-@pytest.fixture
-def stadium() -> Iterator[Stadium]:
-    opened = Stadium()
+@pytest.fixture(params=[True, False], ids=["batch", "views"])
+def stadium(request: pytest.FixtureRequest) -> Iterator[Stadium]:
+    opened = Stadium(batch=request.param)
     yield opened
     opened.close()
 
@@ -214,13 +215,44 @@ def test_the_end_of_the_lease_closes_the_socket_too(stadium: Stadium) -> None:
             stadium.server.tally(third)
 
 
+def test_other_wishes_of_a_client_are_heard_and_its_tally_goes_on(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        stadium.send_frame()
+        client.sendto(b"(init blue 3 (fov 90)(rate 1))", stadium.main.getsockname())
+        stadium.serve()
+        begin = stadium.clock.now() + 10_000_000
+        served = [len(stadium.send_frame(Instant(begin + i * 100_000_000)).deliveries) for i in range(20)]
+        assert [index for index, count in enumerate(served) if count] == [0, 5, 15]  # on the grid of a second, or near
+        sees = [data for data in (client.recv(2000) for _ in range(6)) if data.startswith(b"(see ")]
+        assert [data.count(b"w2c") for data in sees] == [360, 90, 90, 90]
+        (third,) = stadium.server.sessions
+        assert stadium.server.tally(third).sent == 4
+
+
+def test_sessions_keep_their_tuple_until_something_changes(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        sessions, _ = stadium.server.due(stadium.clock.now())
+        client.sendto(b"(init blue 3)(dash 3)", stadium.main.getsockname())
+        stadium.serve()
+        assert stadium.server.due(stadium.clock.now())[0] is sessions
+        client.sendto(b"(init blue 3 (types team))", stadium.main.getsockname())
+        stadium.serve()
+        with pytest.raises(ValueError, match="1 datagrams for the sessions of due.*changed"):
+            stadium.server.send_batch(stadium.clock.now(), Batch.of([b""]))
+        assert stadium.server.due(stadium.clock.now())[0] is not sessions
+        with pytest.raises(ValueError, match="2 datagrams for the sessions of due"):
+            stadium.server.send_batch(stadium.clock.now(), Batch.of([b"", b""]))
+
+
 def test_a_restarted_process_goes_on_with_the_same_clients(stadium: Stadium) -> None:
     """Same ports, options and order of Time; clients notice nothing."""
     with robot(stadium, b"(init blue 3)\0") as third, robot(stadium, b"(init blue 4 (port same)(fov 90))") as fourth:
         stadium.serve()
         at = stadium.clock.now()
         stadium.send_frame(at)
-        snapshot = stadium.server.sessions.snapshot()
+        snapshot = stadium.server.snapshot()
         stadium.server.close()  # the process ends; its supervisor keeps the two sockets
 
         stadium.start(Sessions.restore(stadium.rules, snapshot))

@@ -3,6 +3,9 @@
 One descriptor stands for all sockets: wait until ``fileno()`` is readable, then call ``handle_readable``,
 which handles a bounded number of datagrams, so that a flood cannot hold up the frame. A frame's views are
 made first and then sent back to back, in an order drawn anew for every frame (paper, section 3.3).
+
+For that each session has a line in a table (``batch``): the next Time that it wants, and what it got. ``Session`` and
+``Tally`` are brought up to date from it when somebody looks.
 """
 
 import random
@@ -12,9 +15,14 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from vision_core.clock import Clock, Instant
+import numpy as np
+
+from vision_core.clock import NS_PER_S, Clock, Instant
+from vision_core.geometry import Bytes
+from vision_core.net.batch import DROPPED, REFUSED, SENT, Batch, Lines
 from vision_core.net.udp import Datagram, Outcome, SessionSocket, SharedSocket
-from vision_core.protocol.lifecycle import Peer, Port, Session
+from vision_core.protocol.lifecycle import NS_PER_TICK, Peer, Port, Session
+from vision_core.protocol.messages import Init
 from vision_core.protocol.session import (
     Arrival,
     Event,
@@ -52,6 +60,17 @@ class FrameReport:
     """What the sending led to: sessions that ended or moved."""
 
 
+@dataclass(frozen=True, slots=True)
+class Served:
+    """How one frame was served, in short; ``UdpServer.deliveries`` has it at length."""
+
+    sessions: int
+    last: Instant | None
+    """When the last of them was sent to."""
+    events: tuple[Event, ...]
+    """What the sending led to: sessions that ended or moved."""
+
+
 @dataclass(slots=True)
 class Tally:
     """What one session got, since this process serves it."""
@@ -81,6 +100,14 @@ class Tally:
 class _Line:
     socket: SessionSocket
     tally: Tally
+    init: Init
+    nul: bool
+    """As the table has it."""
+
+
+TALLIED = ("sent", "dropped", "frames", "rank_sum")
+"""Fields that a line and a Tally share."""
+OUTCOMES = {SENT: Outcome.SENT, DROPPED: Outcome.DROPPED, REFUSED: Outcome.REFUSED}
 
 
 class UdpServer:
@@ -99,6 +126,12 @@ class UdpServer:
         self._order = order or random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
         self._shared = {Port.MAIN: SharedSocket(main), Port.SESSION: SharedSocket(session)}
         self._lines: dict[Session, _Line] = {}
+        self._table = Lines(sessions.rules.boot, self._order)
+        self._in_table: tuple[Session, ...] = ()
+        self._changed = True
+        """The table does not have all sessions as they are."""
+        self._sent_since = False
+        """Sessions and tallies are behind the table."""
         self._listening: dict[int, SharedSocket | Session] = {}
         self._poll = select.epoll()
         for shared in self._shared.values():
@@ -119,7 +152,13 @@ class UdpServer:
 
     def tally(self, session: Session) -> Tally:
         """What an open session got. Raises KeyError when it is not open."""
+        self._catch_up()
         return self._lines[session].tally
+
+    def snapshot(self) -> bytes:
+        """All sessions, for ``Sessions.restore`` in another process."""
+        self._catch_up()
+        return self.sessions.snapshot()
 
     def handle_readable(self) -> list[Event]:
         """Take what came in, at most 64 datagrams, and answer; returns what happened."""
@@ -141,11 +180,55 @@ class UdpServer:
         """End silent sessions; call it once a second or so."""
         return self._carry_out(self.sessions.expire(self._clock.now()))
 
+    def due(self, at: Instant) -> tuple[tuple[Session, ...], Bytes]:
+        """All sessions, and for each 1 when it wants a view grabbed at an instant, otherwise 0.
+
+        The same tuple as last time, unless a session came, went, moved or changed its wishes.
+        """
+        if self._changed:
+            self._fill_table()
+        return self._in_table, self._table.due(at)
+
+    def send_batch(self, at: Instant, batch: Batch) -> Served:
+        """Send a frame's views, made for the sessions of ``due``, in random order.
+
+        at: grab of the frame; a datagram of length 0 is not sent. Raises ValueError when the batch is for others,
+        or sessions have changed since ``due``.
+        """
+        if self._changed or len(batch.lengths) != len(self._in_table):
+            found = "they have changed" if self._changed else f"{len(self._in_table)}"
+            raise ValueError(f"{len(batch.lengths)} datagrams for the sessions of due(): {found}")
+        count, refusals = self._table.send(at, batch)
+        self._sent_since = True
+        rows, order = self._table.rows, self._table.order
+        events: list[Event] = []
+        for row in order[:count] if refusals else ():
+            if rows[row]["outcome"] == REFUSED and (session := self._in_table[row]) in self._lines:
+                events += self._carry_out(self.sessions.refused(session, Instant(int(rows[row]["sent_at"]))))
+        last = Instant(int(rows[order[count - 1]]["sent_at"])) if count else None
+        return Served(count, last, tuple(events))
+
+    def deliveries(self) -> list[Delivery]:
+        """How each session was served in the last batch, in the order of sending."""
+        rows = self._table.rows
+        served = sorted(np.flatnonzero(rows["outcome"]).tolist(), key=lambda row: int(rows[row]["rank"]))
+        return [
+            Delivery(
+                self._in_table[row],
+                int(rows[row]["rank"]),
+                Instant(int(rows[row]["sent_at"])),
+                OUTCOMES[int(rows[row]["outcome"])],
+            )
+            for row in served
+        ]
+
     def send_views(self, at: Instant, datagram_for: Callable[[Session], bytes | None]) -> FrameReport:
         """Send a frame's views in random order to the sessions that want one.
 
         at: grab of the frame; datagram_for: a session's ``see``, or None when its robot is not known.
         """
+        self._catch_up()
+        self._changed = True
         ready = [
             (session, line, data)
             for session, line in self._lines.items()
@@ -200,6 +283,8 @@ class UdpServer:
             self._shared[reply.via.port].send(reply.data, reply.to, reply.via.local)
             return []
         line = self._lines.get(reply.session)
+        if line is not None and (line.init != reply.session.init or line.nul != reply.session.nul):
+            self._changed = True
         if line is None or line.socket.send(reply.data) is not Outcome.REFUSED:
             return []
         return self.sessions.refused(reply.session, self._clock.now())
@@ -212,15 +297,44 @@ class UdpServer:
             opened = SessionSocket(self._shared[session.port].socket, session.local, session.peer)
         except OSError:
             return False
-        self._lines[session] = _Line(opened, tally)
+        self._lines[session] = _Line(opened, tally, session.init, session.nul)
         self._listen(opened.fileno(), session)
         return True
 
     def _close(self, session: Session) -> None:
+        self._catch_up()
+        self._changed = True
         line = self._lines.pop(session, None)
         if line is not None:
             del self._listening[line.socket.fileno()]
             line.socket.close()
+
+    def _fill_table(self) -> None:
+        """Give every session a line, with what it wants and what it got so far."""
+        self._catch_up()
+        rows = self._table.resize(len(self._lines))
+        self._in_table = tuple(self._lines)
+        self._changed = False
+        for row, (session, line) in enumerate(self._lines.items()):
+            line.init, line.nul = session.init, session.nul
+            options, tally = session.init.options, line.tally
+            rows[row]["descriptor"], rows[row]["tick_ns"] = line.socket.fileno(), NS_PER_TICK[options.time]
+            rows[row]["period_ns"] = NS_PER_S // options.rate_hz if options.rate_hz else 0
+            rows[row]["served"], rows[row]["due"] = session.served, session.due
+            for name in TALLIED:
+                rows[row][name] = getattr(tally, name)
+
+    def _catch_up(self) -> None:
+        """Bring sessions and tallies up to date with the table."""
+        if not self._sent_since:
+            return
+        self._sent_since = False
+        for session, row in zip(self._in_table, self._table.rows, strict=True):
+            session.served, session.due = Instant(int(row["served"])), Instant(int(row["due"]))
+            line = self._lines.get(session)
+            if line is not None:
+                for name in TALLIED:
+                    setattr(line.tally, name, row[name].item())
 
     def _listen(self, descriptor: int, source: SharedSocket | Session) -> None:
         self._listening[descriptor] = source
