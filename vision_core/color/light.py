@@ -101,6 +101,7 @@ class Relighter:
         self._lit = np.empty(self.shape, dtype=np.uint8)
         self._gains = np.empty(3 * width_px, dtype=np.int32)
         self._offsets = np.empty(3 * width_px, dtype=np.int32)
+        self._light = AS_IT_IS
 
     def relit(self, pixels: Bytes, light: Light) -> Bytes:
         """A picture as (pixel - black) * gain, 0..255; itself when the light leaves it as it is.
@@ -109,9 +110,11 @@ class Relighter:
         """
         if light.neutral:
             return pixels
-        gain, black = np.array(light.gain_bgr), np.array(light.black_bgr)
-        self._gains.reshape(-1, 3)[:] = (gain * SCALE).round()
-        self._offsets.reshape(-1, 3)[:] = ((0.5 - gain * black) * SCALE).round()
+        if light is not self._light:
+            gain, black = np.array(light.gain_bgr), np.array(light.black_bgr)
+            self._gains.reshape(-1, 3)[:] = (gain * SCALE).round()
+            self._offsets.reshape(-1, 3)[:] = ((0.5 - gain * black) * SCALE).round()
+            self._light = light
         rows = len(pixels), -1
         relight(read_only(pixels).reshape(rows), self._gains, self._offsets, self._lit.reshape(rows))
         return self._lit
