@@ -1,4 +1,4 @@
-"""The command line and composition root: ``pslv serve | client | detect | evaluate | config``."""
+"""The command line and composition root: ``pslv serve | client | detect | evaluate | patterns | config``."""
 
 import contextlib
 import json
@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.status import Status
 
 from app import __version__
-from app.commands import evaluate
+from app.commands import evaluate, patterns
 from app.commands.bench import bench
 from app.commands.colors import colors_app
 from app.commands.options import ConfigFile, Venue
@@ -26,6 +26,7 @@ app = typer.Typer(
 config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
 app.add_typer(colors_app, name="colors")
+app.add_typer(patterns.app, name="patterns")
 app.command()(evaluate.evaluate)
 app.command()(bench)
 console = Console(stderr=True, highlight=False)

@@ -1,0 +1,146 @@
+"""``pslv patterns``: which markers there are, how well they can be told apart, and sheets to print."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.commands.options import ConfigFile
+from vision_core.errors import SettingsError
+
+if TYPE_CHECKING:
+    from vision_core.pattern_checks import PatternReport, Rival
+    from vision_core.pattern_files import Pattern
+
+app = typer.Typer(no_args_is_help=True, help="Markers that robots wear: list, check and print them.")
+
+Names = Annotated[list[str] | None, typer.Argument(help="Names of config/patterns, or .toml files.")]
+PaletteVenue = Annotated[str | None, typer.Option(help="Check the colors against this venue's classes.")]
+
+
+@app.command("list")
+def list_patterns() -> None:
+    """List the patterns that come with PSLV."""
+    from vision_core.pattern_files import load_pattern
+
+    for name in _shipped():
+        pattern = load_pattern(name)
+        ids = [int(key) for key in pattern.code.ids]
+        shape = f"{pattern.robot.outline} {2e3 * pattern.robot.radius_m:g} mm, {1e3 * pattern.robot.height_m:g} mm high"
+        typer.echo(f"{name:20} {len(ids):2} ids ({min(ids)}..{max(ids)})  {shape}")
+
+
+@app.command("check")
+def check(names: Names = None, venue: PaletteVenue = None, config: ConfigFile = None) -> None:
+    """Say how well ids and headings can be told apart; exit status 2 for what is refused.
+
+    Several names are a set that is seen on one field. Without names: the venue's patterns, or every shipped one.
+    """
+    from vision_core.pattern_checks import nearest_rival, report_on
+    from vision_core.pattern_files import load_pattern
+    from vision_core.pattern_geometry import SAME_MM
+
+    chosen = list(dict.fromkeys(names or _of_venue(venue, config) or _shipped()))
+    patterns = [load_pattern(name) for name in chosen]
+    reports = [report_on(pattern) for pattern in patterns]
+    for report in reports:
+        _print(report)
+    for i, one in enumerate(patterns if names else []):
+        for other in patterns[:i]:
+            if (rival := nearest_rival(other, one)) is not None:
+                typer.echo(f"{other.name} and {one.name}: {_rival(rival)}")
+                if rival.off_mm < SAME_MM:
+                    raise SettingsError(
+                        "patterns seen together", found=_rival(rival), accepted="robots that look different"
+                    )
+    if venue is not None or config is not None:
+        _check_colors({color: None for report in reports for color in report.colors}, venue, config)
+
+
+@app.command("print")
+def print_sheets(
+    names: Annotated[list[str], typer.Argument(help="Names of config/patterns, or .toml files.")],
+    out: Annotated[Path, typer.Option(help="The PDF file to write.")] = Path("markers.pdf"),
+    team: Annotated[str | None, typer.Option(help="blue or yellow; without it, both.")] = None,
+    ids: Annotated[str | None, typer.Option(help="Which ids: 1,2,5; without it, all.")] = None,
+) -> None:
+    """Write sheets of markers as a PDF, true to scale on A4."""
+    from vision_core.pattern_files import load_pattern
+    from vision_core.tasks.pattern_sheets import write_sheets
+    from vision_core.types.objects import Team
+
+    if team is not None and team not in list(Team):
+        raise SettingsError("--team", found=team, accepted=", ".join(Team))
+    teams = list(Team) if team is None else [Team(team)]
+    chosen = [load_pattern(name) for name in names]
+    markers = [(one, side, number) for one in chosen for side in teams for number in _ids(one, ids)]
+    pages = write_sheets(markers, out)
+    typer.echo(f"{out}: {len(markers)} markers on {pages} pages of A4; print at 100 % and measure the ruler")
+
+
+def _shipped() -> list[str]:
+    from vision_core.settings_files import config_folder
+
+    return sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
+
+
+def _of_venue(venue: str | None, config: Path | None) -> list[str]:
+    from vision_core.settings_files import load_settings
+    from vision_core.settings_models import robots_of
+    from vision_core.types.objects import Team
+
+    if venue is None and config is None:
+        return []
+    robots = load_settings(venue, config).robots
+    return [robots_of(robots, team).pattern for team in Team]
+
+
+def _ids(pattern: "Pattern", wanted: str | None) -> list[int]:
+    known = list(pattern.code_by_id)
+    if wanted is None:
+        return known
+    asked = [part.strip() for part in wanted.split(",")]
+    if foreign := [part for part in asked if not part.isdecimal() or int(part) not in known]:
+        accepted = f"ids of {pattern.name}: {', '.join(map(str, known))}"
+        raise SettingsError("--ids", found=", ".join(foreign), accepted=accepted)
+    return [int(part) for part in asked]
+
+
+def _print(report: "PatternReport") -> None:
+    ways = "one way" if report.turns == 1 else f"{report.turns} ways, which colors tell apart"
+    least = report.fewest_differences
+    differ = (
+        "one id" if least is None else f"any two ids differ in {least} {'patch' if least == 1 else 'patches'} or more"
+    )
+    typer.echo(f"{report.name}: {report.ids} ids, in order")
+    typer.echo(f"  ids       {differ}; the patches lie on themselves in {ways}")
+    typer.echo(f"  heading   {'told by colors alone' if report.rival is None else _rival(report.rival)}")
+    typer.echo(
+        f"  patches   smallest {report.smallest_mm:.1f} mm wide: under 5 px when a pixel shows more than "
+        f"{report.coarsest_mm_per_px:.1f} mm"
+    )
+    typer.echo(f"  colors    {', '.join(report.colors)}")
+
+
+def _rival(rival: "Rival") -> str:
+    turned = f"turned by {rival.turn_deg:.0f} deg" if rival.turn_deg else "as it stands"
+    return f"{rival.one} {turned} is nearest to {rival.other}: a patch is {rival.off_mm:.1f} mm off"
+
+
+def _check_colors(colors: dict[str, None], venue: str | None, config: Path | None) -> None:
+    from vision_core.settings_files import load_settings
+    from vision_core.tasks.pattern_colors import report_on_colors
+
+    settings = load_settings(venue, config)
+    report = report_on_colors(list(colors), settings)
+    for first, other, count in report.disputed:
+        typer.echo(
+            f"colors: {first} and {other} both claim {count} colors of the table; {first}, listed first, has them"
+        )
+    if report.missing:
+        raise SettingsError(
+            f"venue {venue or config}: color classes",
+            found=f"no class {', '.join(report.missing)}",
+            accepted=f"classes for {', '.join(colors)}; there are {', '.join(settings.colors.classes)}",
+        )
+    typer.echo(f"colors: {len(colors)} classes needed, all there, {len(report.disputed)} pairs disputed")
