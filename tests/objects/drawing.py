@@ -7,13 +7,15 @@ import numpy as np
 
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.camera_model import CameraModel, PinholeCamera
-from vision_core.color.lookup_table import compile_color_table
-from vision_core.geometry import Bytes, Floats, rotation
+from vision_core.color.lookup_table import cell_centers, compile_color_table
+from vision_core.geometry import Bytes, Floats, frozen, rotation
 from vision_core.objects.patterns import Marker, marker_from
-from vision_core.pattern_files import load_pattern
+from vision_core.pattern_files import CODE, TEAM, Pattern, load_pattern
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 from vision_core.types.blobs import Blobs
+from vision_core.types.colors import ColorTable
+from vision_core.types.tables import BLOB, Table
 
 Color = tuple[int, int, int]
 
@@ -25,6 +27,10 @@ PAINTS: dict[str, Color] = {
     "pink": (190, 90, 235),
     "green": (90, 220, 80),
     "orange": (30, 110, 240),
+    "red": (40, 40, 215),
+    "cyan": (225, 210, 40),
+    "purple": (120, 30, 80),
+    "magenta": (200, 40, 235),
 }
 
 SETTINGS: Settings = load_settings()
@@ -34,6 +40,32 @@ CODES = load_pattern(SETTINGS.robots.pattern).code_by_id
 COLORS_BY_INITIAL = {"G": "green", "P": "pink"}
 
 SUBPIXELS = 4
+
+NEAR = 60.0
+"""Colors nearer to a paint than this [grey levels] are of its class."""
+
+
+def paint_table() -> ColorTable:
+    """A table with a class for every paint of a marker."""
+    names = [name for name in PAINTS if name not in {"carpet", "body"}]
+    paints = np.array([PAINTS[name] for name in names], dtype=np.float64)
+    apart = np.linalg.norm(cell_centers()[:, None] - paints, axis=2)
+    classes = np.where(apart.min(axis=1) <= NEAR, apart.argmin(axis=1) + 1, 0).astype(np.uint8)
+    means = np.vstack([np.zeros((1, 3)), paints]).astype(np.uint8)
+    return ColorTable(("", *names), frozen(classes), frozen(means), ())
+
+
+PAINT_TABLE = paint_table()
+
+
+def blob_table(blobs: Blobs) -> Table:
+    """The same blobs as kernels take them."""
+    rows = np.zeros(len(blobs), dtype=BLOB)
+    rows["color"], rows["area_px"] = blobs.color, blobs.area_px
+    rows["x_px"], rows["y_px"] = blobs.center_px.T
+    for side, column in zip(("left", "top", "right", "bottom"), blobs.box_px.T, strict=True):
+        rows[side] = column
+    return rows
 
 
 def overhead_camera(metres_per_pixel: float, width: int, height: int) -> CameraModel:
@@ -68,6 +100,38 @@ class Picture:
         share = covered.reshape(self.height, self.width, -1).mean(axis=2)[..., None]
         self.pixels += share * (np.array(PAINTS[paint]) - self.pixels)
 
+    def paint_polygon(self, paint: str, corners_m: Floats, height_m: float) -> None:
+        """A polygon, shape (n, 2), in the plane of a height."""
+        places = self.camera.field_from_pixel(self._samples, height_m)
+        covered = np.zeros(len(places), dtype=np.bool_)
+        for (x1, y1), (x2, y2) in zip(corners_m, np.roll(corners_m, -1, axis=0), strict=True):
+            if y1 != y2:
+                beyond = places[:, 0] < x1 + (places[:, 1] - y1) * (x2 - x1) / (y2 - y1)
+                covered ^= ((y1 > places[:, 1]) != (y2 > places[:, 1])) & beyond
+        share = covered.reshape(self.height, self.width, -1).mean(axis=2)[..., None]
+        self.pixels += share * (np.array(PAINTS[paint]) - self.pixels)
+
+    def paint_pattern(self, pattern: Pattern, team: str, code: str, pose: tuple[float, float, float]) -> None:
+        """A robot's top with any pattern; "-" in the code leaves a patch away. pose: x, y [m], heading [rad]."""
+        place, turn, robot = np.array(pose[:2]), rotation(pose[2]), pattern.robot
+        square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]) * robot.radius_m
+        if robot.outline == "circle":
+            self.paint_disc("body", *pose[:2], robot.radius_m, robot.height_m)
+        else:
+            self.paint_polygon("body", place + square @ turn.T, robot.height_m)
+        letters = iter(code)
+        paint_of = {name[0].upper(): name for name in pattern.code.colors}
+        for patch in pattern.patches:
+            letter = next(letters) if patch.color == CODE else ""
+            paint = team if patch.color == TEAM else paint_of.get(letter, patch.color)
+            if letter == "-":
+                continue
+            if patch.circle_mm is not None:
+                x, y = place + turn @ (np.array(patch.circle_mm[:2]) / 1000.0)
+                self.paint_disc(paint, float(x), float(y), patch.circle_mm[2] / 2000.0, robot.height_m)
+            else:
+                self.paint_polygon(paint, place + np.array(patch.polygon_mm) / 1000.0 @ turn.T, robot.height_m)
+
     def paint_robot(self, team: str, code: str, x_m: float, y_m: float, heading_rad: float) -> None:
         """A robot's top with its marker; "-" in the code leaves a dot away."""
         height = SETTINGS.robots.height_m
@@ -87,8 +151,8 @@ class Picture:
         noisy = self.pixels + np.random.default_rng(seed).normal(0.0, noise, self.pixels.shape)
         return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
-    def blobs(self, noise: float = 2.0, seed: int = 1) -> Blobs:
-        return Segmenter(self.width, self.height, SETTINGS.blobs).segment(self.as_bytes(noise, seed), TABLE)
+    def blobs(self, noise: float = 2.0, seed: int = 1, table: ColorTable = TABLE) -> Blobs:
+        return Segmenter(self.width, self.height, SETTINGS.blobs).segment(self.as_bytes(noise, seed), table)
 
 
 def turn_between(one_rad: float | None, other_rad: float) -> float:
