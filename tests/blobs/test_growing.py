@@ -7,24 +7,25 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from vision_core.blobs import growing
 from vision_core.blobs.growing import (
     NOT_FOUND,
-    GrowingLimits,
-    GrowingTracker,
     Memory,
     color_of_classes,
     color_of_seed,
     grow,
     memory_for,
+    side_of_ring,
     step_for,
 )  # fmt: skip
+from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.clock import Instant, after
 from vision_core.geometry import Bytes
-from vision_core.settings import BlobSettings
+from vision_core.settings_files import load_settings
 from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
 
@@ -58,7 +59,7 @@ def found(
 
 def segmented(labels: Labels) -> Blobs:
     height, width = labels.shape
-    chosen = BlobSettings(min_area_px=1, max_runs=5000, max_blobs=2000)
+    chosen = replace(load_settings().blobs, min_area_px=1)
     return Segmenter(width, height, chosen).segment(picture(labels), TABLE)
 
 
@@ -99,6 +100,24 @@ def test_every_pixel_of_a_region_leads_to_the_same_region() -> None:
     rows = [tuple(found(comb, (x, y), GrowingLimits(1, 9999), memory=memory)[1].tolist()) for y, x in np.argwhere(comb)]
     assert set(rows) == {rows[0]}
     assert rows[0][1] == (comb == 1).sum()
+
+
+@pytest.mark.parametrize("step", [1, 2, 5])
+@pytest.mark.parametrize(("x", "y"), [(0, 0), (7, 3), (19, 11), (12, 11)])
+def test_rings_meet_every_point_of_their_grid_once_the_nearest_first(x: int, y: int, step: int) -> None:
+    width, height, met, last = 20, 12, [], 0
+    for ring in range(25):
+        for side in range(4):
+            u, v, du, dv, points = side_of_ring(ring, side, x, y, step, width, height)
+            for point in range(points):
+                place = u + point * du, v + point * dv
+                assert max(abs(place[0] - x), abs(place[1] - y)) == ring * step
+                met.append(place)
+                last = ring
+    grid = {(u, v) for u in range(x % step, width, step) for v in range(y % step, height, step)}
+    assert len(met) == len(set(met))
+    assert set(met) == grid
+    assert last * step <= max(x, y, width - x, height - y)
 
 
 @settings(deadline=None, max_examples=60)

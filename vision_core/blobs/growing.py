@@ -15,23 +15,19 @@ A color is a set of classes of the color table, or a seed with tolerances, for w
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.clock import Instant, seconds_between
 from vision_core.geometry import Bytes
 from vision_core.kernels import kernel
-from vision_core.types.colors import ColorTable
 from vision_core.types.tables import BLOB, Table
 
 Row: TypeAlias = Any
 """One row of a table, as kernels take it: its fields are attributes."""
 
 NOT_FOUND = -1.0
-CELLS = 1 << 16
 LAST_SERIAL = (1 << 30) - 1
 
 COLOR = np.dtype(
@@ -98,97 +94,11 @@ def color_of_seed(bgr: tuple[float, float, float], luma_tolerance: float, chroma
     return color
 
 
-@dataclass(frozen=True, slots=True)
-class GrowingLimits:
-    """What makes a region the object."""
-
-    min_area_px: int
-    max_area_px: int
-    around: Table | None = None
-    """Color that must surround it, a row of COLOR; None: not looked at."""
-    min_around: float = 0.5
-    """Least share of the surrounding pixels that have it."""
-    gap_px: int = 2
-    """Layers next to the region that are left out: there its color and the others mix."""
-    ring_px: int = 2
-    """Layers beyond that are looked at."""
-    near_px: float = 40.0
-    """Found farther from where it was predicted, it is thought to start over at rest."""
-    budget_px: int = 1_000_000
-    """So many pixels are grown in one picture at most, in all regions together."""
-
-    def row(self, search_px: int) -> Table:
-        """As a table of one row; search_px: how far from the start rings are looked at."""
-        limits = np.zeros(1, dtype=LIMITS)
-        limits["search_px"], limits["step_px"] = search_px, step_for(self.min_area_px)
-        limits["min_area_px"], limits["max_area_px"] = self.min_area_px, self.max_area_px
-        limits["gap_px"], limits["ring_px"] = self.gap_px, 0 if self.around is None else self.ring_px
-        limits["min_around"], limits["budget_px"] = self.min_around, self.budget_px
-        return limits
-
-
 def step_for(area_px: int) -> int:
     """How far apart points may be [px] so that no disc of an area lies between them: d / sqrt(2) for a diameter d,
     less the half pixel by which a disc of pixels may be narrower."""
     diameter = 2.0 * math.sqrt(area_px / math.pi)
     return max(1, math.floor((diameter - 0.5) / math.sqrt(2.0)))
-
-
-class GrowingTracker:
-    """Follows one object from picture to picture, in memory that is taken once.
-
-    It starts where the object is predicted from its last two places, in the picture's middle at first. One picture
-    without it makes it lost: the search goes on over the whole picture, each time, until the object is found.
-    """
-
-    def __init__(
-        self, width_px: int, height_px: int, color: Table, limits: GrowingLimits, table: ColorTable | None = None
-    ) -> None:
-        """color: a row of COLOR; table: whose classes it names, not needed for a seed."""
-        self._memory = memory_for(width_px, height_px)
-        self._classes = np.zeros(CELLS, dtype=np.uint8) if table is None else np.array(table.classes)
-        self._classes.setflags(write=False)
-        self._color = color
-        self._around = color if limits.around is None else limits.around
-        self._limits = limits.row(max(width_px, height_px))
-        self._near_px = limits.near_px
-        self._x_px, self._y_px = width_px / 2.0, height_px / 2.0
-        self._vx_px_s = self._vy_px_s = 0.0
-        self._seen: Instant | None = None
-        self.lost = True
-        """The last picture did not show it, or there was none."""
-        self.around = 0.0
-        """Share of its surroundings that have the wanted color; 1 when that is not looked at."""
-
-    def predict(self, at: Instant) -> tuple[float, float]:
-        """Where the object should be at an instant, x and y [px]; its last place when it is lost."""
-        if self.lost or self._seen is None:
-            return self._x_px, self._y_px
-        t = seconds_between(self._seen, at)
-        return self._x_px + self._vx_px_s * t, self._y_px + self._vy_px_s * t
-
-    def follow(self, pixels: Bytes, at: Instant) -> Table | None:
-        """Find the object in a picture, shape (height, width, 3), blue green red, grabbed at an instant.
-
-        Returns a table of one BLOB, the tracker's own: the next call overwrites it. None: the picture does not show it.
-        """
-        assert pixels.shape == (*self._memory.stamps.shape, 3), f"{pixels.shape} is another size"
-        x, y = self.predict(at)
-        view = np.ascontiguousarray(pixels).view()
-        view.setflags(write=False)  # one memory layout for the kernel: frames come read-only or not
-        around = grow(view, self._classes, x, y, self._color, self._around, self._limits, self._memory)
-        if around == NOT_FOUND:
-            self.lost = True
-            return None
-        found = float(self._memory.blob["x_px"][0]), float(self._memory.blob["y_px"][0])
-        self._move(*found, at, steady=not self.lost and math.dist((x, y), found) <= self._near_px)
-        self.around = around
-        return self._memory.blob
-
-    def _move(self, x: float, y: float, at: Instant, *, steady: bool) -> None:
-        t = seconds_between(self._seen, at) if steady and self._seen is not None else 0.0
-        self._vx_px_s, self._vy_px_s = ((x - self._x_px) / t, (y - self._y_px) / t) if t > 0.0 else (0.0, 0.0)
-        self._x_px, self._y_px, self._seen, self.lost = x, y, at, False
 
 
 @kernel
@@ -205,23 +115,24 @@ def grow(
     x, y = min(max(int(x_px + 0.5), 0), width - 1), min(max(int(y_px + 0.5), 0), height - 1)
     first, budget = next_serial(memory), limit.budget_px
     for ring in range(limit.search_px // limit.step_px + 2):
-        for point in range(max(8 * ring, 1)):
-            u, v = point_of_ring(ring, point)
-            u, v = x + u * limit.step_px, y + v * limit.step_px
-            if u < 0 or v < 0 or u >= width or v >= height or not is_of(wanted, classes, pixels[v, u]):
-                continue
-            if memory.stamps[v, u] & 1 and memory.stamps[v, u] >> 1 >= first:
-                continue  # a member of a region that was not valid
-            complete, rim = grow_region(pixels, classes, u, v, wanted, memory, budget)
-            area = memory.blob[0].area_px
-            budget -= area
-            if not complete:
-                return NOT_FOUND
-            if area < limit.min_area_px or area > limit.max_area_px:
-                continue
-            share = surrounding_share(pixels, classes, around[0], limit, memory, rim) if limit.ring_px else 1.0
-            if not limit.ring_px or share >= limit.min_around:
-                return share
+        for side in range(4):
+            u, v, du, dv, points = side_of_ring(ring, side, x, y, limit.step_px, width, height)
+            for point in range(points):
+                px, py = u + point * du, v + point * dv
+                if not is_of(wanted, classes, pixels[py, px]):
+                    continue
+                if memory.stamps[py, px] & 1 and memory.stamps[py, px] >> 1 >= first:
+                    continue  # a member of a region that was not valid
+                complete, rim = grow_region(pixels, classes, px, py, wanted, memory, budget)
+                area = memory.blob[0].area_px
+                budget -= area
+                if not complete:
+                    return NOT_FOUND
+                if area < limit.min_area_px or area > limit.max_area_px:
+                    continue
+                share = surrounding_share(pixels, classes, around[0], limit, memory, rim) if limit.ring_px else 1.0
+                if not limit.ring_px or share >= limit.min_around:
+                    return share
     return NOT_FOUND
 
 
@@ -235,18 +146,27 @@ def next_serial(memory: Memory) -> int:
 
 
 @kernel
-def point_of_ring(ring: int, point: int) -> tuple[int, int]:
-    """A point of the square ring of an edge of 2 * ring steps, in steps from its middle, anticlockwise."""
-    if ring == 0:
-        return 0, 0
-    side, along = point // (2 * ring), point % (2 * ring)
-    if side == 0:
-        return along - ring, -ring
-    if side == 1:
-        return ring, along - ring
-    if side == 2:
-        return ring - along, ring
-    return -ring, ring - along
+def side_of_ring(
+    ring: int, side: int, x: int, y: int, step: int, width: int, height: int
+) -> tuple[int, int, int, int, int]:
+    """The points of one side of a square ring round a place that lie in the picture: the first one's x and y, the
+    steps in x and y, and how many there are. Each side leaves one of its corners to the next."""
+    reach = ring * step
+    along_x = side < 2
+    if along_x:
+        first, limit, fixed, fixed_limit = x - reach, width, (y - reach if side == 0 else y + reach), height
+    else:
+        first, limit, fixed, fixed_limit = y - reach, height, (x - reach if side == 2 else x + reach), width
+    count = 2 * ring if ring or side else 1
+    first += step * (side in (1, 2)) * (ring > 0)
+    skipped = (-first + step - 1) // step if first < 0 else 0
+    first += skipped * step
+    count = min(count - skipped, (limit - 1 - first) // step + 1)
+    if fixed < 0 or fixed >= fixed_limit:
+        count = 0
+    if along_x:
+        return first, fixed, step, 0, count
+    return fixed, first, 0, step, count
 
 
 @kernel

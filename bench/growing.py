@@ -1,0 +1,333 @@
+"""Region growing against the segmentation of the whole picture, on the same rendered frames.
+
+Eleven trackers of their own follow the ball and the ten center dots, as the CAMBADA robots followed their objects. The
+twin segments the whole picture once, by the classic, and takes for each object the valid blob that is nearest to where
+its tracker predicted it. *Same* means: the same region to the pixel, or that both say it is not there. In 20 of 100
+frames the ball is covered with carpet, so that it must be searched everywhere, in vain: things of its color and size
+that lie beside the field are no ball, since no carpet surrounds them (the twin looks at points of a circle for that).
+
+Times are execution times of the thread, so that others who use the processor do not count. The histogram is that of the
+paper's figure 3: how long the ball's tracker takes per frame. It goes to ``bench/out/growing.png`` as well.
+"""
+
+import argparse
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from bench.accuracy import settings_of
+from bench.runner import OUT, Row
+from vision_core.blobs.growing import (
+    color_of_classes,
+    color_of_seed,
+)
+from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
+from vision_core.blobs.run_lengths import Segmenter
+from vision_core.capture.source import open_source
+from vision_core.capture.synthetic.camera import SyntheticCamera
+from vision_core.capture.synthetic.truth import Truth
+from vision_core.clock import Instant, MonotonicClock
+from vision_core.color.lookup_table import compile_color_table, keep_classes
+from vision_core.color.spaces import ycc_from_bgr
+from vision_core.geometry import Bytes, Floats
+from vision_core.opencv import Color, draw_line, draw_text, write_picture
+from vision_core.settings import Settings
+from vision_core.settings_models import camera_model_from
+from vision_core.types.blobs import Blobs
+from vision_core.types.colors import ColorTable
+from vision_core.types.tables import Table
+
+FRAMES = {"640x480": 600, "1280x1024": 200}
+HISTOGRAM = "640x480"
+COVERED = range(60, 80)
+"""Of every hundred frames, those without a ball."""
+BALL, SEED = "ball", "ball by a seed color"
+DOT_RADIUS_M = 0.025
+SEED_TOLERANCES = (70.0, 35.0)
+"""Of luma and chroma [grey levels]."""
+CARPET_TOLERANCES = (60.0, 20.0)
+MIN_AROUND = 0.3
+"""Share of carpet round a ball; robots and lines may take the rest."""
+RING_RADII, RING_POINTS = 1.8, 24
+SAME_GOAL = 0.99
+SEED_PX = 1.0
+"""A seed's region may differ from the class's by its rim."""
+BINS = 20
+WHITE: Color = (255, 255, 255)
+BLUE: Color = (200, 120, 40)
+
+Place = tuple[float, float, float] | None
+"""Area and centroid of what was found."""
+
+
+@dataclass
+class Measured:
+    """What was counted and timed at one size."""
+
+    frames: int = 0
+    same: dict[str, int] = field(default_factory=dict)
+    seen: dict[str, int] = field(default_factory=dict)
+    own: int = 0
+    """Center dots that are the robot's own at the end."""
+    dots: int = 0
+    growing_us: list[float] = field(default_factory=list)
+    """All eleven."""
+    ball_us: list[float] = field(default_factory=list)
+    covered: list[bool] = field(default_factory=list)
+    seed_us: list[float] = field(default_factory=list)
+    table_us: list[float] = field(default_factory=list)
+
+
+def run(out: Path = OUT) -> list[Row]:
+    """Compare at every size; the ball's histogram at one is drawn into a folder."""
+    rows: list[Row] = []
+    for size, frames in FRAMES.items():
+        measured = measure(settings_of(size, {}), frames)
+        rows += [{"name": f"{size}: {row.pop('name')}"} | row for row in _summary(measured)]
+        if size == HISTOGRAM:
+            rows += _bins(measured)
+            out.mkdir(parents=True, exist_ok=True)
+            draw_histogram(out / "growing.png", measured, size)
+    return rows
+
+
+def measure(settings: Settings, frames: int) -> Measured:
+    """Follow everything through a number of frames, both ways."""
+    table = keep_classes(compile_color_table(settings.colors), {"blue", "yellow", settings.ball.color})
+    segmenter = Segmenter(settings.camera.width_px, settings.camera.height_px, settings.blobs)
+    trackers: dict[str, GrowingTracker] = {}
+    measured = Measured()
+    for pixels, at, truth, covered in _film(settings, frames):
+        if not trackers:
+            carpet = _carpet(settings, pixels)
+            trackers = _trackers(settings, table, truth, carpet)
+            for tracker in trackers.values():
+                tracker.follow(pixels, Instant(at - 1))
+            segmenter.segment(pixels, table)
+        places = {name: tracker.predict(at) for name, tracker in trackers.items()}
+        found, spent = _grow(trackers, pixels, at, measured.frames)
+        start = time.thread_time_ns()
+        blobs = segmenter.segment(pixels, table)
+        measured.table_us.append((time.thread_time_ns() - start) / 1e3)
+        _count(measured, _twins(settings, table, pixels, carpet, blobs, places), found)
+        measured.frames += 1
+        measured.covered.append(covered)
+        measured.ball_us.append(spent[BALL])
+        measured.seed_us.append(spent[SEED])
+        measured.growing_us.append(sum(us for name, us in spent.items() if name != SEED))
+    _count_own(measured, settings, truth, trackers)
+    return measured
+
+
+def _film(settings: Settings, frames: int) -> Iterator[tuple[Bytes, Instant, Truth, bool]]:
+    """Rendered frames with their truth; now and then the ball is covered with the carpet beside it."""
+    source = open_source(settings, MonotonicClock(), paced=False)
+    assert isinstance(source, SyntheticCamera)
+    camera = camera_model_from(settings)
+    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+    for number in range(frames):
+        at = source.grab(pixels)
+        ball = np.array([(source.truth.ball.x_m, source.truth.ball.y_m)])
+        covered = number % 100 in COVERED
+        if covered:
+            (x, y), scale = camera.pixel_from_field(ball).astype(int)[0], camera.pixels_per_metre(ball[0])
+            _cover(pixels, int(x), int(y), math.ceil(3.0 * settings.ball.radius_m * scale))
+        yield pixels, at, source.truth, covered
+    source.close()
+
+
+def _cover(pixels: Bytes, x: int, y: int, reach: int) -> None:
+    height, width, _ = pixels.shape
+    top, bottom, left, right = max(y - reach, 0), min(y + reach, height), max(x - reach, 0), min(x + reach, width)
+    pixels[top:bottom, left:right] = np.median(pixels[top:bottom, left:right].reshape(-1, 3), axis=0)
+
+
+def _carpet(settings: Settings, pixels: Bytes) -> Table:
+    """The color of the field, from a grid of its points, as what surrounds a ball."""
+    steps = np.linspace(-0.45, 0.45, 20)
+    points = np.stack(np.meshgrid(steps * settings.field.length_m, steps * settings.field.width_m), axis=-1)
+    x, y = camera_model_from(settings).pixel_from_field(points.reshape(-1, 2)).round().astype(int).T
+    blue, green, red = np.median(pixels[y, x], axis=0).tolist()
+    return color_of_seed((blue, green, red), *CARPET_TOLERANCES)
+
+
+def _trackers(settings: Settings, table: ColorTable, truth: Truth, carpet: Table) -> dict[str, GrowingTracker]:
+    """One for the ball by its class, one by a seed color, and one for each robot's center dot, from where it is."""
+    size = settings.camera.width_px, settings.camera.height_px
+    number = table.index(settings.ball.color)
+    ball = replace(_limits(settings, BALL), around=carpet, min_around=MIN_AROUND)
+    blue, green, red = table.mean_bgr[number].tolist()
+    return {
+        BALL: GrowingTracker(*size, color_of_classes(number), ball, table),
+        SEED: GrowingTracker(*size, color_of_seed((blue, green, red), *SEED_TOLERANCES), ball),
+    } | {
+        f"{robot.team} {robot.id}": GrowingTracker(
+            *size,
+            color_of_classes(table.index(robot.team)),
+            _limits(settings, "dots"),
+            table,
+            (float(place[0]), float(place[1])),
+        )
+        for robot, place in zip(truth.robots, _dots_px(settings, truth), strict=True)
+    }
+
+
+def _limits(settings: Settings, name: str) -> GrowingLimits:
+    """Area limits of an object, as the camera sees it at the field's center."""
+    is_ball = name in (BALL, SEED)
+    radius, height = (settings.ball.radius_m,) * 2 if is_ball else (DOT_RADIUS_M, settings.robots.height_m)
+    scale = camera_model_from(settings).pixels_per_square_metre(np.zeros((1, 2)), height)[0]
+    area = math.pi * radius**2 * scale
+    return GrowingLimits(int(settings.robots.min_area * area), math.ceil(settings.robots.max_area * area))
+
+
+def _dots_px(settings: Settings, truth: Truth) -> Floats:
+    """Where the robots' center dots are, shape (n, 2)."""
+    places = np.array([(robot.x_m, robot.y_m) for robot in truth.robots])
+    return camera_model_from(settings).pixel_from_field(places, settings.robots.height_m)
+
+
+def _grow(
+    trackers: dict[str, GrowingTracker], pixels: Bytes, at: Instant, frame: int
+) -> tuple[dict[str, Place], dict[str, float]]:
+    """What each tracker found, and how long it took [us]; each frame another begins, with cold memory."""
+    found: dict[str, Place] = {}
+    spent = {}
+    turn = frame % len(trackers)
+    for name, tracker in [*trackers.items()][turn:] + [*trackers.items()][:turn]:
+        start = time.thread_time_ns()
+        blob = tracker.follow(pixels, at)
+        spent[name] = (time.thread_time_ns() - start) / 1e3
+        found[name] = None if blob is None else blob[["area_px", "x_px", "y_px"]][0].item()
+    return found, spent
+
+
+def _twins(
+    settings: Settings,
+    table: ColorTable,
+    pixels: Bytes,
+    carpet: Table,
+    blobs: Blobs,
+    places: dict[str, tuple[float, float]],
+) -> dict[str, Place]:
+    """For each object the valid blob that is nearest to where it was predicted."""
+    twins: dict[str, Place] = {}
+    for name, place in places.items():
+        is_ball, limits = name in (BALL, SEED), _limits(settings, name)
+        color = settings.ball.color if is_ball else name.split()[0]
+        valid = np.flatnonzero(
+            (blobs.color == table.index(color))
+            & (blobs.area_px >= limits.min_area_px)
+            & (blobs.area_px <= limits.max_area_px)
+        )
+        if is_ball:
+            valid = valid[[_carpet_share(pixels, carpet, blobs, blob) >= MIN_AROUND for blob in valid.tolist()]]
+        far = np.hypot(*(blobs.center_px[valid] - place).T)
+        best = valid[far.argmin()] if len(valid) else None
+        twins[name] = None if best is None else (float(blobs.area_px[best]), *blobs.center_px[best].tolist())
+    return twins
+
+
+def _carpet_share(pixels: Bytes, carpet: Table, blobs: Blobs, blob: int) -> float:
+    """Share of points on a circle round a blob that show carpet."""
+    radius = RING_RADII * math.sqrt(blobs.area_px[blob] / math.pi)
+    turn = np.arange(RING_POINTS) * (math.tau / RING_POINTS)
+    ring = blobs.center_px[blob] + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    height, width, _ = pixels.shape
+    x, y = np.clip(ring.round().astype(int), 0, (width - 1, height - 1)).T
+    luma, cb, cr = ycc_from_bgr(pixels[y, x]).T
+    near = np.hypot(cb - carpet["cb"], cr - carpet["cr"]) <= carpet["chroma_tolerance"]
+    return float((near & (abs(luma - carpet["luma"]) <= carpet["luma_tolerance"])).mean())
+
+
+def _count(measured: Measured, twins: dict[str, Place], found: dict[str, Place]) -> None:
+    for name, grown in found.items():
+        kind = name if name in (BALL, SEED) else "center dots"
+        same = _alike(grown, twins[name], by_pixel=name != SEED)
+        measured.same[kind] = measured.same.get(kind, 0) + same
+        measured.seen[kind] = measured.seen.get(kind, 0) + 1
+
+
+def _alike(one: Place, other: Place, *, by_pixel: bool) -> bool:
+    if one is None or other is None:
+        return one is other
+    return np.allclose(one, other) if by_pixel else math.dist(one[1:], other[1:]) < SEED_PX
+
+
+def _count_own(measured: Measured, settings: Settings, truth: Truth, trackers: dict[str, GrowingTracker]) -> None:
+    for robot, place in zip(truth.robots, _dots_px(settings, truth), strict=True):
+        tracker = trackers[f"{robot.team} {robot.id}"]
+        scale = camera_model_from(settings).pixels_per_metre((robot.x_m, robot.y_m), settings.robots.height_m)
+        measured.own += math.dist(tracker.last_px, place) < DOT_RADIUS_M * scale
+        measured.dots += 1
+
+
+def _summary(measured: Measured) -> Iterator[Row]:
+    for kind, same in measured.same.items():
+        share = same / measured.seen[kind]
+        yield {
+            "name": f"{kind}: same as by segmentation, of {measured.seen[kind]}", "value": same, "unit": "",
+            "ratio": share, "goal": f">= {SAME_GOAL:g}", "met": share >= SAME_GOAL,
+        }  # fmt: skip
+    yield {"name": f"center dots that are their robot's own at the end, of {measured.dots}", "value": measured.own}
+    whole = float(np.median(measured.table_us))
+    covered = np.array(measured.covered)
+    ball, seed = np.array(measured.ball_us), np.array(measured.seed_us)
+    for name, times in (
+        ("ball and ten dots", np.array(measured.growing_us)),
+        ("ball, not covered", ball[~covered]),
+        ("ball, covered: the whole picture in vain", ball[covered]),
+        ("ball by a seed color, not covered", seed[~covered]),
+        ("ball by a seed color, covered", seed[covered]),
+    ):
+        if len(times):
+            median = float(np.median(times))
+            yield {"name": name, "value": median, "unit": "us", "twin": whole, "ratio": median / whole}
+
+
+def _bins(measured: Measured) -> Iterator[Row]:
+    edges, counts = histogram(measured)
+    for (low, high), count in zip(pairwise(edges), counts, strict=True):
+        times = f"{low:.0f} .. {high:.0f} us" if high < math.inf else f"{low:.0f} us and more"
+        yield {"name": f"{HISTOGRAM}: ball in {times}", "value": count, "unit": "frames"}
+
+
+def histogram(measured: Measured) -> tuple[list[float], list[int]]:
+    """Edges [us] and counts of the ball's times; the last bin holds all that took longer."""
+    times = np.array(measured.ball_us)
+    width = max(1.0, math.ceil(float(np.percentile(times, 99.0)) / (BINS - 1)))
+    bins = np.minimum(times // width, BINS - 1).astype(int)
+    return [width * index for index in range(BINS)] + [math.inf], np.bincount(bins, minlength=BINS).tolist()
+
+
+def draw_histogram(path: Path, measured: Measured, size: str) -> None:
+    """A picture as the paper's figure 3."""
+    edges, counts = histogram(measured)
+    image = np.full((420, 760, 3), 32, dtype=np.uint8)
+    left, bottom, height, pitch = 60.0, 350.0, 280.0, 33.0
+    most = max(counts)
+    for index, count in enumerate(counts):
+        x = left + pitch * (index + 0.5)
+        if count:
+            image[round(bottom - height * count / most) : round(bottom), round(x) - 13 : round(x) + 14] = BLUE
+            draw_text(image, str(count), (x - 10.0, bottom - height * count / most - 6.0), WHITE, 0.4)
+        draw_text(image, f"{edges[index]:.0f}", (left + pitch * index - 6.0, bottom + 18.0), WHITE, 0.35)
+    draw_line(image, (left, bottom), (left + pitch * BINS, bottom), WHITE)
+    draw_text(
+        image, "time of the ball's tracker [us]; the last bin holds all that took longer", (left, 395.0), WHITE, 0.45
+    )
+    title = f"region growing, {size}, {measured.frames} frames, the ball covered in {sum(measured.covered)}"
+    draw_text(image, title, (left, 30.0), WHITE, 0.5)
+    write_picture(path, image)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=OUT, help="folder for the histogram")
+    for row in run(parser.parse_args().out):
+        print(row)

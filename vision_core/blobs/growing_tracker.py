@@ -1,0 +1,113 @@
+"""One object followed from picture to picture by region growing."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision_core.blobs.growing import LIMITS, NOT_FOUND, grow, memory_for, step_for
+from vision_core.clock import Instant, seconds_between
+from vision_core.geometry import Bytes
+from vision_core.types.colors import ColorTable
+from vision_core.types.tables import Table
+
+CELLS = 1 << 16
+"""Of the color table."""
+
+
+@dataclass(frozen=True, slots=True)
+class GrowingLimits:
+    """What makes a region the object."""
+
+    min_area_px: int
+    max_area_px: int
+    around: Table | None = None
+    """Color that must surround it, a row of COLOR; None: not looked at."""
+    min_around: float = 0.5
+    """Least share of the surrounding pixels that have it."""
+    gap_px: int = 2
+    """Layers next to the region that are left out: there its color and the others mix."""
+    ring_px: int = 2
+    """Layers beyond that are looked at."""
+    near_px: float = 40.0
+    """Found farther from where it was predicted, it is thought to start over at rest."""
+    budget_px: int = 1_000_000
+    """So many pixels are grown in one picture at most, in all regions together."""
+
+    def row(self, search_px: int) -> Table:
+        """As a table of one row; search_px: how far from the start rings are looked at."""
+        limits = np.zeros(1, dtype=LIMITS)
+        limits["search_px"], limits["step_px"] = search_px, step_for(self.min_area_px)
+        limits["min_area_px"], limits["max_area_px"] = self.min_area_px, self.max_area_px
+        limits["gap_px"], limits["ring_px"] = self.gap_px, 0 if self.around is None else self.ring_px
+        limits["min_around"], limits["budget_px"] = self.min_around, self.budget_px
+        return limits
+
+
+class GrowingTracker:
+    """Follows one object from picture to picture, in memory that is taken once.
+
+    It looks first where the object is predicted from its last two places, at the start in the picture's middle. A
+    picture without it makes it lost: the search goes over the whole picture, each time, until the object is found.
+    """
+
+    def __init__(
+        self,
+        width_px: int,
+        height_px: int,
+        color: Table,
+        limits: GrowingLimits,
+        table: ColorTable | None = None,
+        start_px: tuple[float, float] | None = None,
+    ) -> None:
+        """color: a row of COLOR; table: whose classes it names, not needed for a seed; start_px: where it is looked
+        for first, x and y."""
+        self._memory = memory_for(width_px, height_px)
+        self._classes = np.zeros(CELLS, dtype=np.uint8) if table is None else np.array(table.classes)
+        self._classes.setflags(write=False)
+        self._color = color
+        self._around = color if limits.around is None else limits.around
+        self._limits = limits.row(max(width_px, height_px))
+        self._near_px = limits.near_px
+        self._x_px, self._y_px = start_px or (width_px / 2.0, height_px / 2.0)
+        self._vx_px_s = self._vy_px_s = 0.0
+        self._seen: Instant | None = None
+        self.lost = True
+        """The last picture did not show it, or there was none."""
+        self.around = 0.0
+        """Share of its surroundings that have the wanted color; 1 when that is not looked at."""
+
+    @property
+    def last_px(self) -> tuple[float, float]:
+        """Where the object was seen last, x and y."""
+        return self._x_px, self._y_px
+
+    def predict(self, at: Instant) -> tuple[float, float]:
+        """Where the object should be at an instant, x and y [px]; its last place when it is lost."""
+        if self.lost or self._seen is None:
+            return self._x_px, self._y_px
+        t = seconds_between(self._seen, at)
+        return self._x_px + self._vx_px_s * t, self._y_px + self._vy_px_s * t
+
+    def follow(self, pixels: Bytes, at: Instant) -> Table | None:
+        """Find the object in a picture, shape (height, width, 3), blue green red, grabbed at an instant.
+
+        Returns a table of one BLOB, the tracker's own: the next call overwrites it. None: the picture does not show it.
+        """
+        assert pixels.shape == (*self._memory.stamps.shape, 3), f"{pixels.shape} is another size"
+        x, y = self.predict(at)
+        view = np.ascontiguousarray(pixels).view()
+        view.setflags(write=False)  # one memory layout for the kernel: frames come read-only or not
+        around = grow(view, self._classes, x, y, self._color, self._around, self._limits, self._memory)
+        if around == NOT_FOUND:
+            self.lost = True
+            return None
+        found = float(self._memory.blob["x_px"][0]), float(self._memory.blob["y_px"][0])
+        self._move(*found, at, steady=not self.lost and math.dist((x, y), found) <= self._near_px)
+        self.around = around
+        return self._memory.blob
+
+    def _move(self, x: float, y: float, at: Instant, *, steady: bool) -> None:
+        t = seconds_between(self._seen, at) if steady and self._seen is not None else 0.0
+        self._vx_px_s, self._vy_px_s = ((x - self._x_px) / t, (y - self._y_px) / t) if t > 0.0 else (0.0, 0.0)
+        self._x_px, self._y_px, self._seen, self.lost = x, y, at, False
