@@ -10,5 +10,5 @@ IROS 2000; CMVision), and the reference that faster ways must agree with.
 Memory is taken once. When a picture has more runs or blobs than there is room for, the rest is left
 out and the result says so (``complete``): a lamp that floods the picture must not stall the clock.
 
-Files: ``run_lengths``.
+Files: ``run_lengths``; apart from it ``growing`` and ``growing_tracker``, which look for one object from where it was.
 """
