@@ -97,9 +97,14 @@ def _write_views(world: Table, sight: Sight, page: Table, page_px: Bytes, views:
         view.overlap, view.partial = seen.overlap, 0.0 < seen.ball_share < 1.0
         view.ball_px, view.ball_direction_deg, view.ball_size_deg = ball_words(seen, request)
         finer = sight.rays[viewer] // DIRECTIONS
-        mirror_px(sight.distances_m[viewer], finer, request.a, request.b, request.c, request.d, page_px[viewer])
-        for i in range(DIRECTIONS):
-            view.px[i], view.kinds[i] = page_px[viewer, i], sight.kinds[viewer, i * finer]
+        distances, kinds, px = sight.distances_m[viewer], sight.kinds[viewer], page_px[viewer]
+        if finer == 1:  # said as a constant it is compiled for neighbors in memory: three times as fast
+            mirror_px(distances, 1, request.a, request.b, request.c, request.d, px)
+            view.kinds[:] = kinds[:DIRECTIONS]
+        else:
+            mirror_px(distances, finer, request.a, request.b, request.c, request.d, px)
+            view.kinds[:] = kinds[: finer * DIRECTIONS : finer]
+        view.px[:] = px
     views[0].frame_number, views[0].at, views[0].count = world[0].frame_number, world[0].at, count
 
 
@@ -109,9 +114,10 @@ class Messages:
     def __init__(self, settings: Settings, boot: Instant) -> None:
         self.eyes = Eyes(settings)
         self._boot = boot
-        self._mirror = mirror_from(settings)
-        letters = LetterTable(**msgspec.structs.asdict(settings.protocol.letters))
-        self._letters = np.array([letters_by_kind(letters, types) for types in TYPES])
+        self.mirror = mirror_from(settings)
+        """Of the field, for who asks for no other."""
+        self.letters = LetterTable(**msgspec.structs.asdict(settings.protocol.letters))
+        self._letters = np.array([letters_by_kind(self.letters, types) for types in TYPES])
         self._page: Table = np.zeros(1, dtype=REQUEST)
         self._page[0] = self.request(Team.BLUE, 1, PAPER_OPTIONS, nul=False)
         self.views: Table = np.zeros(1, dtype=VIEWS)
@@ -132,7 +138,7 @@ class Messages:
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
         write_messages(
             world.whole, self._boot, self.eyes.place, self.eyes.sight, self._page, self.views,
-            self._requests, due, self._ink, self._batch.starts, self._batch.lengths,
+            self._requests, due, self.ink, self._batch.starts, self._batch.lengths,
         )  # fmt: skip
         return self._batch
 
@@ -147,7 +153,7 @@ class Messages:
         rays = options.rays_per_circle
         per_deg = rays // 360
         sign = 1 if options.sense == "ccw" else -1
-        mirror = options.mirror or self._mirror
+        mirror = options.mirror or self.mirror
         first, step = options.first_deg * per_deg, options.resolution_deg * per_deg
         if not (first.is_integer() and step.is_integer()):
             raise ValueError(
@@ -157,7 +163,7 @@ class Messages:
         row[0] = (
             viewer_of(team, number), rays, sign * int(first) % rays, sign * int(step) % rays, options.directions,
             TYPES.index(options.types), options.sense == "cw", options.size == "half", options.time == "us", nul,
-            mirror != self._mirror, options.fov_deg, options.center_deg, *_constants(mirror),
+            mirror != self.mirror, options.fov_deg, options.center_deg, *_constants(mirror),
         )  # fmt: skip
         return row[0]  # type: ignore[no-any-return]
 
@@ -172,7 +178,7 @@ class Messages:
         words = np.zeros(max(count, 1) * SLOT // 4, dtype=np.uint32)
         hex_words = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).encode(), dtype=np.uint32).copy()
         text = words.view(np.uint8)
-        self._ink = Ink(hex_words, self._letters, text, words, np.zeros(MOST_RAYS, dtype=np.uint8), self._page_px)
+        self.ink = Ink(hex_words, self._letters, text, words, np.zeros(MOST_RAYS, dtype=np.uint8), self._page_px)
         self._all = np.ones(count, dtype=np.uint8)
         self._batch = Batch(text, np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64))
 

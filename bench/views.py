@@ -1,0 +1,191 @@
+"""A world in, every robot's datagram out: the compiled call against a twin in C, and against the way before it.
+
+All work on the same random worlds, in turns, in one process; the twin's datagrams must be the same bytes.
+"""
+
+import ctypes
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from msgspec.structs import replace
+
+from bench.runner import Row
+from bench.twins.build import load_twin
+from vision_core.clock import NS_PER_S, Instant
+from vision_core.geometry import Bytes
+from vision_core.net.batch import Batch
+from vision_core.protocol.messages import Init
+from vision_core.protocol.see import see_from_view
+from vision_core.settings import Settings
+from vision_core.settings_files import load_settings
+from vision_core.tasks.messages import Messages
+from vision_core.tasks.see_text import SLOT
+from vision_core.types.objects import Team
+from vision_core.types.tables import WorldTable
+from vision_core.types.tracks import BallTrack, RobotTrack, World
+from vision_core.views.eyes import Place
+from vision_core.views.observe import Observer
+
+TEAM_SIZES = (5, 11)
+WORLDS = 40
+ROUNDS = 1500
+ROUNDS_OF_OLD = 20
+GOAL_RATIO = 1.3
+BOOT = Instant(0)
+US_PER_S = 1e6
+
+BODY = np.dtype(
+    [(name, np.float64) for name in ("x", "y", "heading", "cosine", "sine")]
+    + [("kind", np.int32), ("viewer", np.int32)]
+)
+PLACE = np.dtype(
+    [(name, np.float64) for name in ("a", "b", "c", "d", "radius", "ball_radius", "limit_x", "limit_y")]
+    + [("segments", np.int64), ("solid", np.int64)]
+)
+
+
+@dataclass(frozen=True)
+class Client:
+    """What a session asks for."""
+
+    init: Init
+    nul: bool = False
+
+
+def run() -> list[Row]:
+    """Rows for both sizes of a team."""
+    return [row for size in TEAM_SIZES for row in _measure(size)]
+
+
+def _measure(size: int) -> list[Row]:
+    settings = _settings(size)
+    worlds = [_world(np.random.default_rng(seed), settings, size) for seed in range(WORLDS)]
+    tables = [WorldTable.of(world) for world in worlds]
+    clients = tuple(Client(Init(team, number)) for team in Team for number in range(1, size + 1))
+    messages = Messages(settings, BOOT)
+    ways: list[Callable[[int], object]] = [lambda number: messages.write(tables[number % WORLDS], clients)]
+    twin, word = _twin(messages, tables, clients, settings)
+    if twin is not None:
+        ways.append(twin)
+    took, *of_twin = _in_turns(ways, ROUNDS)
+    (old,) = _in_turns([_one_by_one(messages, settings, worlds, clients)], ROUNDS_OF_OLD)
+    name = f"edges and text of {2 * size} robots"
+    against = {"name": f"{name}, twin in C", "twin": of_twin[0], "ratio": took / of_twin[0]} if of_twin else {}
+    return [
+        {
+            "name": f"{name} ({word})",
+            "value": took,
+            "unit": "us",
+            "goal": f"<= {GOAL_RATIO}x",
+            "met": took <= GOAL_RATIO * of_twin[0] if of_twin else None,
+            **against,
+        },
+        {"name": f"{name}, one after the other", "value": took, "unit": "us", "twin": old, "ratio": took / old},
+    ]
+
+
+def _in_turns(ways: list[Callable[[int], object]], rounds: int) -> list[float]:
+    """Median duration of each way [us]."""
+    seconds: list[list[float]] = [[] for _ in ways]
+    for number in range(rounds):
+        for way, took in zip(ways, seconds, strict=True):
+            began = time.perf_counter()
+            way(number)
+            took.append(time.perf_counter() - began)
+    return [float(np.median(took[len(took) // 10 :])) * US_PER_S for took in seconds]
+
+
+def _settings(size: int) -> Settings:
+    settings = load_settings()
+    return replace(settings, match=replace(settings.match, numbers=size))
+
+
+def _world(rng: np.random.Generator, settings: Settings, size: int) -> World:
+    half = settings.field.length_m / 2.0, settings.field.width_m / 2.0
+    robots = []
+    for team, ids in ((Team.BLUE, settings.match.blue_ids), (Team.YELLOW, settings.match.yellow_ids)):
+        for marker in ids[:size]:
+            x, y, heading = rng.uniform(-half[0], half[0]), rng.uniform(-half[1], half[1]), rng.uniform(-3.1, 3.1)
+            robots.append(RobotTrack(team, marker, x, y, heading, 0.0, 0.0, 0.0, 1e-4, 1e-3, 1.0, BOOT))
+    ball = BallTrack(rng.uniform(-half[0], half[0]), rng.uniform(-half[1], half[1]), 0.0, 0.0, 1e-4, False, BOOT)
+    return World(1, Instant(20_306 * NS_PER_S + int(rng.integers(NS_PER_S))), tuple(robots), ball, ())
+
+
+def _one_by_one(
+    messages: Messages, settings: Settings, worlds: list[World], clients: tuple[Client, ...]
+) -> Callable[[int], object]:
+    """View after view as a record, datagram after datagram by the protocol's own module."""
+    observer = Observer(settings.field, settings.robots, settings.ball, settings.views, settings.match)
+
+    def write(number: int) -> list[bytes]:
+        sent = []
+        for client in clients:
+            view = observer.observe(worlds[number % WORLDS], client.init.team, client.init.number)
+            assert view is not None
+            sent.append(see_from_view(view, client.init.options, messages.mirror, messages.letters, BOOT))
+        return sent
+
+    return write
+
+
+def _twin(
+    messages: Messages, tables: list[WorldTable], clients: tuple[Client, ...], settings: Settings
+) -> tuple[Callable[[int], object] | None, str]:
+    """The twin's call for the world of a round, checked byte for byte; or None, and why there is none."""
+    library, word = load_twin("views")
+    if library is None:
+        return None, word
+    place = messages.eyes.place
+    count = len(clients)
+    page = np.zeros((count, 2, 360), dtype=np.uint8)
+    slots = np.zeros(count * SLOT, dtype=np.uint8)
+    starts, lengths = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
+    fixed = [
+        _place_of(place, messages, settings), place.segments_m, place.segment_kinds, place.ray_x, place.ray_y,
+        messages.ink.hex_words, np.ascontiguousarray(messages.ink.letters[0]), page, slots, starts, lengths,
+    ]  # fmt: skip
+    calls = []
+    for table in tables:
+        bodies, ball = _bodies_of(table, place), np.array([table.balls[0]["x_m"], table.balls[0]["y_m"]])
+        fixed += [bodies, ball]
+        calls.append(
+            (
+                _address(bodies),
+                ctypes.c_int64(count),
+                _address(ball),
+                ctypes.c_int64(int(table.whole[0]["at"])),
+                *map(_address, fixed[:11]),
+            )
+        )
+    for table, call in zip(tables, calls, strict=True):
+        library.write_messages(*call)
+        mine = messages.write(table, clients)
+        for row in range(count):
+            assert bytes(mine.datagram(row)) == bytes(Batch(slots, starts, lengths).datagram(row))
+    return lambda number: (library.write_messages(*calls[number % len(calls)]), fixed)[0], word
+
+
+def _address(array: "np.ndarray[Any, Any]") -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def _bodies_of(table: WorldTable, place: Place) -> "np.ndarray[Any, Any]":
+    robots = table.robots[: table.counts[0]]
+    bodies = np.zeros(len(robots), dtype=BODY)
+    bodies["x"], bodies["y"], bodies["heading"] = robots["x_m"], robots["y_m"], robots["heading_rad"]
+    kinds: Bytes = place.kind_of_id[robots["team"], robots["id"] + 1]
+    bodies["kind"], bodies["viewer"] = kinds, place.viewer_of_id[robots["team"], robots["id"]]
+    return bodies
+
+
+def _place_of(place: Place, messages: Messages, settings: Settings) -> "np.ndarray[Any, Any]":
+    mirror = messages.mirror
+    row = np.zeros(1, dtype=PLACE)
+    row[0] = (
+        mirror.a, mirror.b, mirror.c, mirror.a**2 - mirror.b**2 * mirror.c, settings.robots.radius_m,
+        settings.ball.radius_m, *place.limit_m, len(place.segments_m), place.solid,
+    )  # fmt: skip
+    return row
