@@ -272,6 +272,19 @@ def test_a_similar_thing_beside_it_is_not_taken_while_the_object_is_there() -> N
         assert blob["x_px"][0] == pytest.approx(rolling(frame)[0])
 
 
+def test_while_patience_lasts_no_other_is_taken_for_what_is_hidden() -> None:
+    limits = GrowingLimits(30, 120, near_px=20.0, patience_s=0.5)
+    tracker = GrowingTracker(320, 240, A, limits, TABLE, start_px=(50.0, 60.0))
+    assert tracker.last_px == (50.0, 60.0)
+    both, other = np.zeros((2, 240, 320), dtype=np.int64)
+    disc(both, 50.0, 60.0, 5.0)
+    for labels in (both, other):
+        disc(labels, 150.0, 60.0, 5.0)
+    for frame in range(40):
+        blob = tracker.follow(picture(other if frame else both), after(START, frame / 30.0))
+        assert (None if blob is None else blob["x_px"][0]) == (50.0 if frame == 0 else None if frame <= 15 else 150.0)
+
+
 def test_stamps_begin_anew_before_their_numbers_run_out() -> None:
     labels = np.zeros((30, 40), dtype=np.int64)
     disc(labels, 20, 15, 4.0)

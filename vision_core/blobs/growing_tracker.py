@@ -31,6 +31,8 @@ class GrowingLimits:
     """Layers beyond that are looked at."""
     near_px: float = 40.0
     """Found farther from where it was predicted, it is thought to start over at rest."""
+    patience_s: float = 0.0
+    """So long after it was seen last it is looked for no farther than near_px away, when others look like it."""
     budget_px: int = 1_000_000
     """So many pixels are grown in one picture at most, in all regions together."""
 
@@ -48,7 +50,8 @@ class GrowingTracker:
     """Follows one object from picture to picture, in memory that is taken once.
 
     It looks first where the object is predicted from its last two places, at the start in the picture's middle. A
-    picture without it makes it lost: the search goes over the whole picture, each time, until the object is found.
+    picture without it makes it lost: the search goes over the whole picture, each time, until the object is found;
+    at once, or when the patience with it ends.
     """
 
     def __init__(
@@ -67,8 +70,9 @@ class GrowingTracker:
         self._classes.setflags(write=False)
         self._color = color
         self._around = color if limits.around is None else limits.around
-        self._limits = limits.row(max(width_px, height_px))
-        self._near_px = limits.near_px
+        self._everywhere = limits.row(max(width_px, height_px))
+        self._nearby = limits.row(math.ceil(limits.near_px))
+        self._near_px, self._patience_s = limits.near_px, limits.patience_s
         self._x_px, self._y_px = start_px or (width_px / 2.0, height_px / 2.0)
         self._vx_px_s = self._vy_px_s = 0.0
         self._seen: Instant | None = None
@@ -98,7 +102,9 @@ class GrowingTracker:
         x, y = self.predict(at)
         view = np.ascontiguousarray(pixels).view()
         view.setflags(write=False)  # one memory layout for the kernel: frames come read-only or not
-        around = grow(view, self._classes, x, y, self._color, self._around, self._limits, self._memory)
+        waiting = self._seen is not None and seconds_between(self._seen, at) <= self._patience_s
+        limits = self._nearby if waiting else self._everywhere
+        around = grow(view, self._classes, x, y, self._color, self._around, limits, self._memory)
         if around == NOT_FOUND:
             self.lost = True
             return None
