@@ -7,11 +7,12 @@ import numpy as np
 from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
 from vision_core.rtdb import records
-from vision_core.rtdb.records import ItemReader, Processes, ServiceInfo, Serving, SourceInfo, TaskInfo, Timed, Views
+from vision_core.rtdb.records import ItemReader, Processes, ServiceInfo, Serving, SourceInfo, TaskInfo, Timed
 from vision_core.rtdb.slots import READ_TRIES, Glance
 from vision_core.rtdb.store import Store
 from vision_core.types.objects import Sightings
 from vision_core.types.tracks import World
+from vision_core.types.views import Views
 
 TASK_PREFIX = "task/"
 

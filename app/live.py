@@ -25,9 +25,10 @@ from app.field_report import Outlines, Points
 from app.reports import status_from
 from vision_core.clock import Instant, seconds_between
 from vision_core.opencv import encode_jpeg, shrink
-from vision_core.rtdb.records import Timed, Views
+from vision_core.rtdb.records import Timed
 from vision_core.types.objects import Sightings
 from vision_core.types.tracks import World
+from vision_core.types.views import Views
 
 RATE_HZ = 15.0
 LONGEST_SILENCE_S = 0.25

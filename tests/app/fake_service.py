@@ -28,8 +28,6 @@ from vision_core.rtdb.records import (
     Serving,
     SourceInfo,
     TaskInfo,
-    Views,
-    ViewSnapshot,
 )
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings import Settings
@@ -39,6 +37,7 @@ from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, RobotTrack, World
+from vision_core.types.views import Views, ViewSnapshot
 
 CAMERA = "main"
 TASKS = task_table(CAMERA)

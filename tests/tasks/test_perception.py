@@ -15,12 +15,12 @@ from vision_core.geometry import Bytes
 from vision_core.objects.ball import MOST_BALLS
 from vision_core.objects.robots import MOST_ROBOTS
 from vision_core.opencv import draw_circle
-from vision_core.rtdb import records
 from vision_core.settings import ColorRange
 from vision_core.settings_models import camera_model_from
 from vision_core.tasks.perception import Perception
-from vision_core.tasks.serving import SceneMaker
+from vision_core.tracks.tracking import Tracker
 from vision_core.types.image import ImageFrame
+from vision_core.types.tables import SightingsTable
 
 CORNER = (420, 40)
 """Where in the frame the drawn piece lies: off axis, where parallax and distortion count [px]."""
@@ -136,10 +136,9 @@ def cloth(shift_px: int, dots: dict[str, tuple[int, int]], spacing_px: int) -> B
 def test_a_cloth_of_dots_finds_room_in_the_database(
     perception: Perception, dots: dict[str, tuple[int, int]], spacing_px: int, found: int
 ) -> None:
-    scenes, item = SceneMaker(SETTINGS, Instant(0)), records.sightings("main")
+    tracker = Tracker(SETTINGS.tracks, SETTINGS.robots)
     for number in range(1, 7):
         pixels = cloth(5 * (number // 2), dots, spacing_px)  # seen twice, then elsewhere: every track is predicted
         seen = perception.perceive(ImageFrame("main", number, Instant(number * 33_000_000), pixels), ManualClock())
         assert len(seen.robots) + len(seen.balls) == found
-        assert len(item.encode(seen)) <= item.spec.capacity
-        assert len(records.WORLD.encode(scenes.scene(seen).world)) <= records.WORLD.spec.capacity
+        assert tracker.update(SightingsTable.of(seen)).counts[0] <= MOST_ROBOTS

@@ -17,7 +17,7 @@
 """
 
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import msgspec
 
@@ -27,7 +27,9 @@ from vision_core.rtdb.slots import SlotReader, SlotWriter
 from vision_core.rtdb.store import Store
 from vision_core.settings import Settings
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings, Team
+from vision_core.types.tables import SightingsTable, ViewsTable, WorldTable
 from vision_core.types.tracks import World
+from vision_core.types.views import Views
 
 T = TypeVar("T")
 K_co = TypeVar("K_co", covariant=True)
@@ -74,29 +76,6 @@ class SourceInfo:
 
 
 @dataclass(frozen=True, slots=True)
-class ViewSnapshot:
-    """A view as it goes over the wire: one byte per direction for pixels (255: nothing) and for the kind."""
-
-    team: Team
-    number: int
-    px: bytes
-    kinds: bytes
-    ball_px: int
-    """-1: hidden."""
-    ball_direction_deg: int
-    ball_size_deg: int
-    partial: bool
-    overlap: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Views:
-    frame_number: int
-    at: Instant
-    views: tuple[ViewSnapshot, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class ClientInfo:
     """One session."""
 
@@ -140,6 +119,21 @@ class TaskInfo:
     """What a person should know: waiting for frames, opening the camera, ..."""
 
 
+class RecordTable(Protocol[K_co]):
+    """A table that can be told as a record."""
+
+    bytes: memoryview
+
+    def record(self) -> K_co: ...
+
+
+class TableKind(Protocol[T]):
+    """A class of such tables."""
+
+    def __call__(self, memory: bytes | None = None, /) -> RecordTable[T]: ...
+    def of(self, record: T, /) -> RecordTable[T]: ...
+
+
 class Encoder(Protocol):
     def encode(self, value: object, /) -> bytes: ...
 
@@ -151,10 +145,10 @@ class Decoder(Protocol[K_co]):
 class Item(Generic[T]):
     """A record of one type: name, size, validity and codec."""
 
-    def __init__(self, name: str, kind: type[T], capacity: int, validity_s: float, *, json: bool = False) -> None:
-        self.spec = RecordSpec(name, capacity, validity_s)
-        self._encoder: Encoder = msgspec.json.Encoder() if json else msgspec.msgpack.Encoder()
-        self._decoder: Decoder[T] = msgspec.json.Decoder(kind) if json else msgspec.msgpack.Decoder(kind)
+    def __init__(self, spec: RecordSpec, encoder: Encoder, decoder: Decoder[T]) -> None:
+        self.spec = spec
+        self._encoder = encoder
+        self._decoder = decoder
 
     def encode(self, value: T) -> bytes:
         return self._encoder.encode(value)
@@ -176,6 +170,30 @@ class Timed(Generic[T]):
     written: Instant
     age_s: float
     valid: bool
+
+
+def packed(name: str, kind: type[T], capacity: int, validity_s: float) -> Item[T]:
+    """A record that is packed (MessagePack)."""
+    return Item(RecordSpec(name, capacity, validity_s), msgspec.msgpack.Encoder(), msgspec.msgpack.Decoder(kind))
+
+
+class TableCodec(Generic[T]):
+    """A record whose bytes are those of a table: the hot path copies them as they are, others get the record."""
+
+    def __init__(self, kind: TableKind[T]) -> None:
+        self._kind = kind
+
+    def encode(self, value: Any, /) -> bytes:
+        return self._kind.of(value).bytes.tobytes()
+
+    def decode(self, data: bytes, /) -> T:
+        return self._kind(data).record()
+
+
+def tabled(name: str, kind: TableKind[T], validity_s: float) -> Item[T]:
+    """A record that is a table."""
+    codec = TableCodec(kind)
+    return Item(RecordSpec(name, len(kind().bytes), validity_s), codec, codec)
 
 
 class ItemReader(Generic[T]):
@@ -223,32 +241,34 @@ class ItemWriter(Generic[T]):
         self._slots.write(self._encoder.encode(value), measured, now)
 
 
-SERVICE = Item("service", ServiceInfo, 65536, 0.0)
-PROCESSES = Item("processes", Processes, 16384, 3.0, json=True)  # the supervisor is standard library only
-WORLD = Item("world", World, 16384, 0.25)
-VIEWS = Item("views", Views, 65536, 0.25)
-SERVING = Item("serving", Serving, 65536, 2.0)
+SERVICE = packed("service", ServiceInfo, 65536, 0.0)
+PROCESSES = Item(  # the supervisor is standard library only
+    RecordSpec("processes", 16384, 3.0), msgspec.json.Encoder(), msgspec.json.Decoder(Processes)
+)
+WORLD: Item[World] = tabled("world", WorldTable, 0.25)
+VIEWS: Item[Views] = tabled("views", ViewsTable, 0.25)
+SERVING = packed("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
 
 
 def source(camera: str) -> Item[SourceInfo]:
-    return Item(f"source/{camera}", SourceInfo, 16384, 0.0)
+    return packed(f"source/{camera}", SourceInfo, 16384, 0.0)
 
 
 def sightings(camera: str) -> Item[Sightings]:
-    return Item(f"sightings/{camera}", Sightings, 32768, 0.25)
+    return tabled(f"sightings/{camera}", SightingsTable, 0.25)
 
 
 def obstacles(camera: str) -> Item[Obstacles]:
-    return Item(f"obstacles/{camera}", Obstacles, 16384, 0.5)
+    return packed(f"obstacles/{camera}", Obstacles, 16384, 0.5)
 
 
 def diagnosis(camera: str) -> Item[Diagnosis]:
-    return Item(f"diagnosis/{camera}", Diagnosis, 16384, 5.0)
+    return packed(f"diagnosis/{camera}", Diagnosis, 16384, 5.0)
 
 
 def task(name: str) -> Item[TaskInfo]:
-    return Item(f"task/{name}", TaskInfo, 16384, 2.0)
+    return packed(f"task/{name}", TaskInfo, 16384, 2.0)
 
 
 def frames(camera: str, width_px: int, height_px: int) -> RecordSpec:

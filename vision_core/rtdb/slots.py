@@ -70,7 +70,7 @@ class _Ring:
 class SlotWriter(_Ring):
     """The one writer of a record. A new writer goes on where a dead one stopped."""
 
-    def write(self, value: bytes, measured: Instant, now: Instant) -> int:
+    def write(self, value: bytes | memoryview, measured: Instant, now: Instant) -> int:
         """Publish a value; returns its sequence number. Raises ValueError when it is too large."""
         if len(value) > self.spec.capacity:
             raise ValueError(f"record {self.spec.name!r} holds {self.spec.capacity} bytes; {len(value)} were written")

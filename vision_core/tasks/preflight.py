@@ -16,8 +16,8 @@ from vision_core.errors import PslvError
 from vision_core.protocol.admission import Admission
 from vision_core.rtdb.attachment import end_with
 from vision_core.settings import Settings
+from vision_core.tasks.messages import Messages
 from vision_core.tasks.perception import Perception
-from vision_core.tasks.serving import SceneMaker
 
 
 def main() -> int:
@@ -39,7 +39,7 @@ def main() -> int:
 def check_tasks(settings: Settings) -> None:
     """Make what the tasks make of settings: pattern and its colors, letters, admitted subnets. Raises SettingsError."""
     Perception(settings)
-    SceneMaker(settings, Instant(0))
+    Messages(settings, Instant(0))
     Admission.from_subnets(settings.admission.subnets)
 
 

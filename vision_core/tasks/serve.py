@@ -13,7 +13,7 @@ from collections import deque
 
 from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.field_model import diagonal_m
-from vision_core.net.server import FrameReport, UdpServer
+from vision_core.net.server import Served, UdpServer
 from vision_core.net.udp import adopted
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.session import Event, Refused, Rules, Sessions
@@ -22,9 +22,10 @@ from vision_core.rtdb.attachment import Attachment, attach
 from vision_core.rtdb.records import ClientInfo, Serving
 from vision_core.settings import Settings
 from vision_core.tasks.gauge import Gauge
-from vision_core.tasks.serving import SceneMaker
+from vision_core.tasks.messages import Messages
 from vision_core.tasks.warm_up import warm_up_scene
-from vision_core.types.objects import Sightings
+from vision_core.tracks.tracking import Tracker
+from vision_core.types.tables import SightingsTable, Table, obstacle_table
 
 PUBLISH_EVERY_S = 0.5
 LAGS_KEPT = 300
@@ -52,11 +53,16 @@ class Server:
         self._attachment = attachment
         self._gauge = gauge
         self._clock = MonotonicClock()
-        self._scenes = SceneMaker(settings, attachment.boot)
+        self._tracker = Tracker(settings.tracks, settings.robots)
+        self._messages = Messages(settings, attachment.boot)
         store = attachment.store
-        self._sightings = records.sightings(settings.camera.name).reader(store)
-        self._world = records.WORLD.writer(store)
-        self._views = records.VIEWS.writer(store)
+        camera = settings.camera.name
+        self._sightings = store.reader(records.sightings(camera).spec.name)
+        self._seen = SightingsTable()
+        self._obstacles = records.obstacles(camera).reader(store)
+        self._things: tuple[int, Table, Instant | None] = (0, obstacle_table(()), None)
+        self._world = store.writer(records.WORLD.spec.name)
+        self._views = store.writer(records.VIEWS.spec.name)
         self._serving = records.SERVING.writer(store)
         self._sessions = store.writer(records.SESSIONS.name)
         main, session = (adopted(attachment.handed.sockets[name]) for name in ("main", "session"))
@@ -93,27 +99,31 @@ class Server:
             return
         missed = seen.sequence - self._newest - 1
         self._newest = seen.sequence
-        report = self._send(seen.value)
+        self._seen.load(seen.value)
+        served = self._serve(seen.measured)
         done = self._clock.now()
-        if report.deliveries:
-            self._lags_s.append(seconds_between(seen.measured, report.deliveries[-1].sent))
-        self._note(report.events)
+        if served.last is not None:
+            self._lags_s.append(seconds_between(seen.measured, served.last))
+        self._note(served.events)
         self._keep_sessions()
         self._gauge.ran(released, done, missed)
 
-    def _send(self, sightings: Sightings) -> FrameReport:
-        scene = self._scenes.scene(sightings)
-        at = scene.world.at
-        report = self._udp.send_views(
-            at,
-            lambda session: self._scenes.datagram(
-                scene, session.team, session.number, session.init.options, nul=session.nul
-            ),
-        )
+    def _serve(self, at: Instant) -> Served:
+        """Track, observe, encode and send; then let others read what was sent."""
+        things, things_at = self._newest_obstacles()
+        world = self._tracker.update(self._seen, things, things_at)
+        sessions, due = self._udp.due(at)
+        served = self._udp.send_batch(at, self._messages.write(world, sessions, due))
         now = self._clock.now()
-        self._world.write(scene.world, at, now)
-        self._views.write(self._scenes.snapshot(scene), at, now)
-        return report
+        self._world.write(world.bytes, at, now)
+        self._views.write(self._messages.views.bytes, at, now)
+        return served
+
+    def _newest_obstacles(self) -> tuple[Table, Instant | None]:
+        """As last told, and when they were seen; decoded once."""
+        if self._obstacles.sequence != self._things[0] and (told := self._obstacles.read(self._clock.now())):
+            self._things = (told.sequence, obstacle_table(told.value.obstacles), told.measured)
+        return self._things[1:]
 
     def _publish_if_due(self) -> None:
         now = self._clock.now()

@@ -79,7 +79,7 @@ def task_table(camera: str) -> tuple[Task, ...]:
             "serve",
             "vision_core.tasks.serve",
             trigger=sightings,
-            reads=("service", sightings, "sessions"),
+            reads=("service", sightings, obstacles, "sessions"),
             writes=("world", "views", "serving", "sessions"),
             sockets=("main", "session"),
         ),

@@ -1,16 +1,19 @@
 """Uses every kernel once, so that it is compiled (or loaded) before a frame waits for it."""
 
+import random
 from collections.abc import Callable
 
 import numpy as np
 
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
-from vision_core.protocol.options import PAPER_OPTIONS
+from vision_core.net.batch import Batch, Lines
 from vision_core.settings import Settings
+from vision_core.tasks.messages import Messages
 from vision_core.tasks.perception import Perception
-from vision_core.tasks.serving import SceneMaker
+from vision_core.tracks.tracking import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
+from vision_core.types.tables import SightingsTable, obstacle_table
 
 
 def warm_up_steps(settings: Settings) -> list[tuple[str, Callable[[], None]]]:
@@ -24,17 +27,17 @@ def warm_up_steps(settings: Settings) -> list[tuple[str, Callable[[], None]]]:
 
 def warm_up_scene(settings: Settings) -> None:
     """A robot of each team and a ball, seen and encoded once."""
-    maker = SceneMaker(settings, Instant(0))
     ids = settings.match.blue_ids[0], settings.match.yellow_ids[0]
     robots = (
         RobotSighting(Team.BLUE, ids[0], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.001, 0.01),
         RobotSighting(Team.YELLOW, ids[1], 0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.001, 0.01),
     )
     seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0, 0.001),), ())
-    scene = maker.scene(seen)
-    maker.snapshot(scene)
-    for team, number in scene.views:
-        maker.datagram(scene, team, number, PAPER_OPTIONS, nul=False)
+    world = Tracker(settings.tracks, settings.robots).update(SightingsTable.of(seen), obstacle_table(()))
+    messages, lines = Messages(settings, Instant(0)), Lines(Instant(0), random.Random(0))  # noqa: S311 (of no client)
+    messages.write(world, ())
+    lines.due(Instant(1))
+    lines.send(Instant(1), Batch.of(()))
 
 
 def _warm_up_synthetic(settings: Settings) -> None:

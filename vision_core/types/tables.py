@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vision_core.clock import Instant
 from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
+from vision_core.types.views import Views, ViewSnapshot
 
 Table = NDArray[Any]
 """A structured array, or one row of it."""
@@ -79,6 +80,26 @@ OBSTACLE_TRACK = np.dtype(
     [("x_m", np.float64), ("y_m", np.float64), ("radius_m", np.float64), ("seen", np.int64)]
 )  # fmt: skip
 
+MOST_NUMBERS = 16
+"""Robots of a team that have a number, and so a view."""
+DIRECTIONS = 360
+"""Of the page's views: every whole degree."""
+
+VIEW = np.dtype(
+    [
+        ("team", np.int32), ("number", np.int32), ("overlap", np.int32), ("partial", np.int32),
+        ("ball_px", np.int32), ("ball_direction_deg", np.int32), ("ball_size_deg", np.int32),
+        ("px", np.uint8, (DIRECTIONS,)), ("kinds", np.uint8, (DIRECTIONS,)),
+    ]
+)  # fmt: skip
+"""A ``ViewSnapshot``."""
+VIEWS = np.dtype(
+    [
+        ("frame_number", np.int64), ("at", np.int64), ("count", np.int64),
+        ("views", VIEW, (len(TEAMS) * MOST_NUMBERS,)),
+    ]
+)  # fmt: skip
+
 SIGHTINGS = np.dtype(
     [
         ("camera", "S16"), ("frame_number", np.int64), ("grabbed", np.int64), ("perceived", np.int64),
@@ -110,6 +131,10 @@ class SightingsTable:
         self.balls: Table = row["balls"]
         self.bytes: memoryview = self.whole.view(np.uint8).data
         """The table's memory."""
+
+    def load(self, memory: bytes) -> None:
+        """Take over the bytes of another table."""
+        self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
 
     def stamp(self, camera: str, frame_number: int, grabbed: Instant, perceived: Instant) -> None:
         """Say which frame it tells of."""
@@ -200,6 +225,37 @@ class WorldTable:
         return table
 
 
+class ViewsTable:
+    """What every robot would see, as it goes over the wire."""
+
+    def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
+        """A table in memory of its own (filled from bytes, when given)."""
+        self.whole: Table = np.zeros(1, dtype=VIEWS)
+        if memory is not None:
+            self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
+        self.bytes: memoryview = self.whole.view(np.uint8).data
+        """The table's memory."""
+
+    def record(self) -> Views:
+        """The same for people."""
+        row = self.whole[0]
+        views = row["views"][: int(row["count"])].tolist()
+        return Views(int(row["frame_number"]), Instant(int(row["at"])), tuple(_view(view) for view in views))
+
+    @classmethod
+    def of(cls, told: Views) -> "ViewsTable":
+        """A table of a record."""
+        table = cls()
+        row = table.whole[0]
+        row["frame_number"], row["at"], row["count"] = told.frame_number, told.at, len(told.views)
+        for index, view in enumerate(told.views):
+            row["views"][index] = (
+                TEAM_NUMBER[view.team], view.number, view.overlap, view.partial,
+                view.ball_px, view.ball_direction_deg, view.ball_size_deg, list(view.px), list(view.kinds),
+            )  # fmt: skip
+        return table
+
+
 def obstacle_table(obstacles: tuple[ObstacleSighting, ...]) -> Table:
     """A table of obstacles, shape (n,)."""
     rows = [(o.x_px, o.y_px, o.x_m, o.y_m, o.radius_m, o.confidence) for o in obstacles]
@@ -230,3 +286,10 @@ def _robot_track(row: tuple[Any, ...]) -> RobotTrack:
 def _ball_track(row: tuple[Any, ...]) -> BallTrack:
     x, y, vx, vy, position_sd, hidden, seen = row
     return BallTrack(x, y, vx, vy, position_sd, bool(hidden), Instant(seen))
+
+
+def _view(row: tuple[Any, ...]) -> ViewSnapshot:
+    team, number, overlap, partial, ball_px, direction_deg, size_deg, px, kinds = row
+    return ViewSnapshot(
+        TEAMS[team], number, bytes(px), bytes(kinds), ball_px, direction_deg, size_deg, bool(partial), bool(overlap)
+    )

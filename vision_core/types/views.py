@@ -38,3 +38,26 @@ class RobotView:
     """None: hidden, or not known."""
     overlap: bool
     """Another robot's outline holds our center."""
+
+
+@dataclass(frozen=True, slots=True)
+class ViewSnapshot:
+    """A view as it goes over the wire: one byte per direction for pixels (255: nothing) and for the kind."""
+
+    team: Team
+    number: int
+    px: bytes
+    kinds: bytes
+    ball_px: int
+    """-1: hidden."""
+    ball_direction_deg: int
+    ball_size_deg: int
+    partial: bool
+    overlap: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Views:
+    frame_number: int
+    at: Instant
+    views: tuple[ViewSnapshot, ...]
