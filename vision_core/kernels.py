@@ -17,10 +17,15 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_folder()))
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numba  # noqa: E402
-from numba.extending import intrinsic as _intrinsic  # noqa: E402
+from numba import extending  # noqa: E402
 
-intrinsic: Any = _intrinsic
 machine_types: Any = numba.types
+
+
+def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a function for use inside kernels out of code that writes its instructions."""
+    made: Callable[..., Any] = extending.intrinsic(function)
+    return made
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

@@ -179,6 +179,9 @@ class BlobSettings(Record, frozen=True):
     min_area_px: Annotated[int, Meta(ge=1, le=1_000_000, description="smaller blobs are noise")]
     max_runs: Annotated[int, Meta(ge=100, le=10_000_000)]
     max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
+    row_step: Annotated[float, Meta(ge=0.01, le=1.0, description="between rows looked at, of the smallest dot")]
+    strip: Annotated[float, Meta(ge=0.001, le=1.0, description="share of the picture looked at beside the windows")]
+    most_flooded: Annotated[float, Meta(ge=0.0, le=1.0, description="share of the picture; over it, all is read")]
 
 
 class RobotShape(Record, frozen=True):

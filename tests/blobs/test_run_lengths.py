@@ -28,7 +28,9 @@ def picture(labels: NDArray[np.int64]) -> Bytes:
 
 
 def settings(min_area_px: int = 1, max_runs: int = 5000, max_blobs: int = 2000) -> BlobSettings:
-    return BlobSettings(min_area_px=min_area_px, max_runs=max_runs, max_blobs=max_blobs)
+    return BlobSettings(
+        min_area_px=min_area_px, max_runs=max_runs, max_blobs=max_blobs, row_step=0.55, strip=0.1, most_flooded=0.1
+    )
 
 
 def segmented(labels: NDArray[np.int64], chosen: BlobSettings | None = None) -> Blobs:
@@ -78,6 +80,14 @@ def test_agrees_with_flood_fill(density: float, shape: tuple[int, int]) -> None:
             expected = flooded(labels)
             assert len(blobs) == len(expected)
             assert np.array(as_rows(blobs)) == pytest.approx(np.array(expected), abs=1e-9)
+
+
+def test_the_table_holds_the_same_as_the_record() -> None:
+    labels = np.random.default_rng(3).integers(0, 4, (40, 60))
+    segmenter = Segmenter(60, 40, settings())
+    blobs = segmenter.segment(picture(labels), blue_table())
+    assert segmenter.fill(picture(labels), blue_table()) == (len(blobs), blobs.complete)
+    assert segmenter.blobs[: len(blobs)].tolist() == as_rows(blobs)
 
 
 def test_a_comb_becomes_one_blob() -> None:

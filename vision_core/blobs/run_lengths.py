@@ -1,18 +1,41 @@
 """Run lengths and union-find: the classic segmentation as one compiled kernel."""
 
-import numpy as np
+from typing import NamedTuple
 
-from vision_core.geometry import Bytes, Floats
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.geometry import Bytes
 from vision_core.kernels import kernel
 from vision_core.settings import BlobSettings
 from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
+from vision_core.types.tables import BLOB, Table
 
 ROW, START, END, COLOR, PARENT = range(5)
 """Columns of the table of runs. END is exclusive; PARENT points to an earlier run, or to itself."""
 
 AREA, SUM_X, SUM_Y, LEFT, TOP, RIGHT, BOTTOM = range(7)
 """Columns of the table of regions: sums over their pixels, and their bounding box."""
+
+
+class RunMemory(NamedTuple):
+    """The classic's memory, taken once. A compiled function can take it as an argument."""
+
+    runs: NDArray[np.int32]
+    """Shape (max_runs, 5)."""
+    region_of_run: NDArray[np.int32]
+    regions: NDArray[np.int64]
+    """Shape (max_runs, 7)."""
+
+
+def run_memory(settings: BlobSettings) -> RunMemory:
+    """Memory for pictures of any size."""
+    return RunMemory(
+        runs=np.zeros((settings.max_runs, 5), dtype=np.int32),
+        region_of_run=np.zeros(settings.max_runs, dtype=np.int32),
+        regions=np.zeros((settings.max_runs, 7), dtype=np.int64),
+    )
 
 
 class Segmenter:
@@ -24,36 +47,44 @@ class Segmenter:
     def __init__(self, width_px: int, height_px: int, settings: BlobSettings) -> None:
         self._shape = (height_px, width_px, 3)
         self._min_area_px = settings.min_area_px
-        self._runs = np.zeros((settings.max_runs, 5), dtype=np.int32)
-        self._region_of_run = np.zeros(settings.max_runs, dtype=np.int32)
-        self._regions = np.zeros((settings.max_runs, 7), dtype=np.int64)
-        self._color = np.zeros(settings.max_blobs, dtype=np.uint8)
-        self._area = np.zeros(settings.max_blobs, dtype=np.int64)
-        self._center = np.zeros((settings.max_blobs, 2), dtype=np.float64)
-        self._box = np.zeros((settings.max_blobs, 4), dtype=np.int64)
+        self._memory = run_memory(settings)
+        self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
+        """Filled by ``fill``, in scan order."""
+
+    def fill(self, pixels: Bytes, table: ColorTable) -> tuple[int, bool]:
+        """Fill ``blobs``: how many there are, and whether all had room. pixels as for ``segment``."""
+        assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
+        return segment_runs(read_only(pixels), read_only(table.classes), self._min_area_px, self._memory, self.blobs)
 
     def segment(self, pixels: Bytes, table: ColorTable) -> Blobs:
         """The blobs of a picture: shape (height, width, 3), blue green red."""
-        assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
-        count, runs_fit = collect_runs(_read_only(pixels), _read_only(table.classes), self._runs)
-        blobs, blobs_fit = collect_blobs(
-            self._runs, count, self._min_area_px, self._region_of_run, self._regions,
-            self._color, self._area, self._center, self._box,
-        )  # fmt: skip
+        count, complete = self.fill(pixels, table)
+        found = self.blobs[:count]
         return Blobs(
-            color=self._color[:blobs].copy(),
-            area_px=self._area[:blobs].copy(),
-            center_px=self._center[:blobs].copy(),
-            box_px=self._box[:blobs].copy(),
-            complete=runs_fit and blobs_fit,
+            color=found["color"].astype(np.uint8),
+            area_px=found["area_px"].astype(np.int64),
+            center_px=np.column_stack([found["x_px"], found["y_px"]]),
+            box_px=np.column_stack([found[side].astype(np.int64) for side in ("left", "top", "right", "bottom")]),
+            complete=complete,
         )
 
 
-def _read_only(array: Bytes) -> Bytes:
+def read_only(array: Bytes) -> Bytes:
     """One memory layout for the kernel, which is compiled anew for every other: frames come read-only or not."""
     view = np.ascontiguousarray(array).view()
     view.setflags(write=False)
     return view
+
+
+@kernel
+def segment_runs(pixels: Bytes, classes: Bytes, min_area: int, memory: RunMemory, blobs: Table) -> tuple[int, bool]:
+    """Fill a BLOB table with all blobs of a picture: how many, and whether runs and blobs had room.
+
+    pixels: shape (height, width, 3), contiguous; classes: shape (65536,); min_area [px].
+    """
+    count, runs_fit = collect_runs(pixels, classes, memory.runs)
+    found, blobs_fit = collect_blobs(memory.runs, count, min_area, memory.region_of_run, memory.regions, blobs)
+    return found, runs_fit and blobs_fit
 
 
 @kernel
@@ -117,9 +148,8 @@ def _root(runs: np.ndarray, run: int) -> int:
 
 @kernel
 def collect_blobs(
-    runs: np.ndarray, count: int, min_area: int, region_of_run: np.ndarray, regions: np.ndarray,
-    out_color: Bytes, out_area: np.ndarray, out_center: Floats, out_box: np.ndarray,
-) -> tuple[int, bool]:  # fmt: skip
+    runs: np.ndarray, count: int, min_area: int, region_of_run: np.ndarray, regions: np.ndarray, blobs: Table
+) -> tuple[int, bool]:
     """Sum the runs of every region; how many blobs there are, and whether all had room.
 
     A root comes before all other runs of its region, so one pass suffices and keeps the scan order.
@@ -140,15 +170,13 @@ def collect_blobs(
     for run in range(count):
         if runs[run, PARENT] != run or regions[region_of_run[run], AREA] < min_area:
             continue
-        if kept == len(out_area):
+        if kept == len(blobs):
             return kept, False
-        region_sums = regions[region_of_run[run]]
-        area = region_sums[AREA]
-        out_color[kept] = runs[run, COLOR]
-        out_area[kept] = area
-        out_center[kept, 0] = region_sums[SUM_X] / area
-        out_center[kept, 1] = region_sums[SUM_Y] / area
-        out_box[kept] = region_sums[LEFT : BOTTOM + 1]
+        sums, blob = regions[region_of_run[run]], blobs[kept]
+        area = sums[AREA]
+        blob.color, blob.area_px = runs[run, COLOR], area
+        blob.x_px, blob.y_px = sums[SUM_X] / area, sums[SUM_Y] / area
+        blob.left, blob.top, blob.right, blob.bottom = sums[LEFT], sums[TOP], sums[RIGHT], sums[BOTTOM]
         kept += 1
     return kept, True
 

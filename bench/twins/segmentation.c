@@ -1,0 +1,80 @@
+/* The classic in C, the twin of vision_core/blobs/run_lengths.py: color table, run lengths, union-find, sums.
+
+   After Bruce, Balch and Veloso, "Fast and inexpensive color image segmentation for interactive robots", IROS 2000.
+   Memory is the caller's. Returns the number of blobs, or -1 when runs or blobs have no room. */
+
+#include <stdint.h>
+
+typedef struct { int32_t y, start, end, color, parent, region; } Run;
+typedef struct { int64_t area, sum_x, sum_y; int32_t left, top, right, bottom, color; } Region;
+typedef struct { int32_t color, area; double x, y; int32_t left, top, right, bottom; } Blob;
+
+static inline int32_t root(Run *runs, int32_t run) {
+    while (runs[run].parent != run) run = runs[run].parent = runs[runs[run].parent].parent;
+    return run;
+}
+
+static inline int32_t append(Run *runs, int32_t number, int32_t y, int32_t start, int32_t end, int32_t color,
+                             int32_t above, int32_t above_end) {
+    runs[number] = (Run){y, start, end, color, number, 0};
+    while (above < above_end && runs[above].end < start) above++;
+    for (int32_t other = above; other < above_end && runs[other].start <= end; other++)
+        if (runs[other].color == color) {
+            int32_t one = root(runs, number), two = root(runs, other);
+            if (one < two) runs[two].parent = one; else runs[one].parent = two;
+        }
+    return above;
+}
+
+static int32_t collect_runs(const uint8_t *restrict pixels, int32_t width, int32_t height,
+                            const uint8_t *restrict classes, Run *restrict runs, int32_t most) {
+    int32_t count = 0, above = 0, above_end = 0;
+    for (int32_t y = 0; y < height; y++) {
+        int32_t first = count, start = 0, color = 0;
+        for (int32_t x = 0; x <= width; x++, pixels += 3) {
+            int32_t here = x < width ? classes[(pixels[0] >> 3) << 11 | (pixels[1] >> 2) << 5 | pixels[2] >> 3] : 0;
+            if (here == color) continue;
+            if (color) {
+                if (count == most) return -1;
+                above = append(runs, count++, y, start, x, color, above, above_end);
+            }
+            color = here;
+            start = x;
+        }
+        pixels -= 3;
+        above = first;
+        above_end = count;
+    }
+    return count;
+}
+
+int32_t segment(const uint8_t *pixels, int32_t width, int32_t height, const uint8_t *classes, int32_t min_area,
+                Run *runs, Region *regions, int32_t most_runs, Blob *blobs, int32_t most_blobs) {
+    int32_t found = 0, kept = 0, count = collect_runs(pixels, width, height, classes, runs, most_runs);
+    for (int32_t i = 0; i < count; i++) {
+        Run *run = runs + i;
+        int32_t top = root(runs, i);
+        if (top == i) {
+            run->region = found;
+            regions[found++] = (Region){0, 0, 0, run->start, run->y, run->end - 1, run->y, run->color};
+        }
+        run->region = runs[top].region;
+        Region *region = regions + run->region;
+        int64_t length = run->end - run->start;
+        region->area += length;
+        region->sum_x += (run->start + run->end - 1) * length / 2;
+        region->sum_y += run->y * length;
+        if (run->start < region->left) region->left = run->start;
+        if (run->end - 1 > region->right) region->right = run->end - 1;
+        region->bottom = run->y;
+    }
+    for (int32_t i = 0; i < found; i++) {
+        const Region *region = regions + i;
+        if (region->area < min_area) continue;
+        if (kept == most_blobs) return -1;
+        blobs[kept++] = (Blob){region->color, (int32_t)region->area, (double)region->sum_x / region->area,
+                               (double)region->sum_y / region->area, region->left, region->top, region->right,
+                               region->bottom};
+    }
+    return count < 0 ? -1 : kept;
+}
