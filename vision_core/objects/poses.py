@@ -4,7 +4,8 @@ that is known. Compiled kernels.
 A pose is fitted by least squares with the weight 1 / variance for every patch (Procrustes in the plane: Umeyama,
 1991). Its covariance follows from the same weights w at p, the patches' places in the robot round their weighted mean:
 the heading's variance is 1 / sum(w |p|^2), the mean place's 1 / sum(w) per axis, and the robot's center, off the
-mean by an arm, gets the heading's variance times the arm's square across it.
+mean by an arm, gets the heading's variance times the arm's square across it. What is left over after the fit says
+whether the weights were right for this robot, blurred or half in a shadow as it may be, and scales all of them.
 """
 
 import math
@@ -30,6 +31,9 @@ from vision_core.objects.finder_memory import (
 from vision_core.objects.markers import Marker
 from vision_core.objects.shapes import heading_sd
 from vision_core.types.tables import NO_ID, Table
+
+PRIOR = 4.0
+"""What is known of the weights beforehand counts as so many degrees of freedom."""
 
 
 @kernel
@@ -121,7 +125,7 @@ def _fit(marker: Marker, memory: Memory, robot: Any) -> None:
         mean_x, mean_y = mean_x + w * centers[patch, 0], mean_y + w * centers[patch, 1]
         model_x, model_y = model_x + w * at_x, model_y + w * at_y
     mean_x, mean_y, model_x, model_y = mean_x / weight, mean_y / weight, model_x / weight, model_y / weight
-    along = across = inertia = 0.0
+    along = across = inertia = spread = freedom = 0.0
     for patch in range(1 + len(slots)):
         at_x, at_y = _place_of(marker, patch)
         w, a, b = centers[patch, 2], at_x - model_x, at_y - model_y
@@ -130,12 +134,17 @@ def _fit(marker: Marker, memory: Memory, robot: Any) -> None:
             along += w * (a * u + b * v)
             across += w * (a * v - b * u)
             inertia += w * (a * a + b * b)
+            spread += w * (u * u + v * v)
+            freedom += 2.0
     heading = math.atan2(across, along)
     c, s = math.cos(heading), math.sin(heading)
     robot.x_m, robot.y_m = mean_x - c * model_x + s * model_y, mean_y - s * model_x - c * model_y
     robot.heading_rad = _wrapped(heading)
-    robot.position_sd_m = math.sqrt(1.0 / weight + 0.5 * (model_x * model_x + model_y * model_y) / inertia)
-    robot.heading_sd_rad = math.sqrt(1.0 / inertia)
+    left_over = max(spread + inertia - 2.0 * math.hypot(along, across), 0.0)
+    scale = (PRIOR + left_over) / (PRIOR + freedom - 3.0)
+    arm2 = model_x * model_x + model_y * model_y
+    robot.position_sd_m = math.sqrt(scale * (1.0 / weight + 0.5 * arm2 / inertia))
+    robot.heading_sd_rad = math.sqrt(scale / inertia)
 
 
 @kernel
