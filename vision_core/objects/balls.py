@@ -49,6 +49,14 @@ HALF_SEEN = 7
 """And those of a ball that is partly hidden."""
 SAME_RADIUS = 0.2
 """A round blob's own radius is believed rather than the predicted one when both differ by less."""
+WHOLE_ELONGATION, WHOLE_SHARE = 1.25, 0.75
+"""Longer, or smaller than predicted, a ball may be partly hidden."""
+SMALL_PX = 6.0
+"""Up to this radius the rim of what is seen of a ball and the rim of a ball cannot be told from each other."""
+SHADE_SD_PX = 0.02
+"""Deviation beyond what the fit tells: a ball's light and dark sides are the same for all of its sectors."""
+HIDDEN_SD_PX = 0.8
+"""Deviation by what cannot be seen, per share of the rim: errors of opposite sides do not cancel."""
 HIDDEN_SHIFT = 0.85
 """How far a disc's centroid moves when a segment of it is hidden, in radii per share of its area: 0.42 for a half."""
 
@@ -72,8 +80,6 @@ class BallFinder(NamedTuple):
     """Negative: not looked at."""
     inside_robot_m: float
     min_confidence: float
-    center_floor_px: float
-    """What the fit of a circle does not know of its center's deviation."""
     field: Floats
     """Half extents of what is accepted x, y, of goals x, y, of the lines x, y [m], shape (6,)."""
     memory: Floats
@@ -115,7 +121,6 @@ def ball_finder(settings: Settings, table: ColorTable) -> BallFinder:
         min_surrounding=ball.min_surrounding if ball.surrounding else -1.0,
         inside_robot_m=ball.inside_robot_m,
         min_confidence=ball.min_confidence,
-        center_floor_px=settings.robots.circle_floor_px,
         field=frozen(np.array(extents, dtype=np.float64)),
         memory=center_memory(),
     )
@@ -233,8 +238,7 @@ def _enter(
     ball = balls[place]
     ball.x_px, ball.y_px, ball.x_m, ball.y_m = x_px, y_px, x, y
     ball.confidence = candidate.confidence
-    floor = finder.center_floor_px
-    ball.position_sd_m = math.sqrt(sd_px * sd_px + floor * floor) / candidate.scale
+    ball.position_sd_m = math.sqrt(sd_px * sd_px + SHADE_SD_PX * SHADE_SD_PX) / candidate.scale
     return last + 1
 
 
@@ -262,21 +266,24 @@ def _refined(blob: Row, candidate: Candidate, pixels: Bytes, finder: BallFinder)
     x, y, memory = blob.x_px, blob.y_px, finder.memory
     radius = finder.radius_m * candidate.scale
     own = math.sqrt(blob.area_px / math.pi)
-    best_x, best_y, best_sd, most = fitted_circle(pixels, x, y, radius, SPHERE_INSIDE_PX, memory)
+    best_x, best_y, best_sd, most = fitted_circle(pixels, x, y, radius, x, y, SPHERE_INSIDE_PX, memory)
     if most < MOSTLY_SEEN and abs(own / radius - 1.0) < SAME_RADIUS:
-        other_x, other_y, sd, used = fitted_circle(pixels, x, y, own, SPHERE_INSIDE_PX, memory)
+        other_x, other_y, sd, used = fitted_circle(pixels, x, y, own, x, y, SPHERE_INSIDE_PX, memory)
         if used > most:
             best_x, best_y, best_sd, most = other_x, other_y, sd, used
-    if most >= MOSTLY_SEEN:
-        return best_x, best_y, best_sd
+    whole = candidate.elongation < WHOLE_ELONGATION and candidate.share > WHOLE_SHARE
+    if whole and most >= MOSTLY_SEEN:
+        return best_x, best_y, best_sd + HIDDEN_SD_PX * (SECTORS - most) / SECTORS
+    shift = HIDDEN_SHIFT * max(1.0 - candidate.share, 0.0) * radius
     beyond = radius - 0.5  # a box ends in the middle of its last pixel
     for corner in range(9):
         across, along = corner % 3, corner // 3
         start_x = (x, blob.left + beyond, blob.right - beyond)[across]
         start_y = (y, blob.top + beyond, blob.bottom - beyond)[along]
-        other_x, other_y, sd, used = fitted_circle(pixels, start_x, start_y, radius, SPHERE_INSIDE_PX, memory)
+        other_x, other_y, sd, used = fitted_circle(pixels, start_x, start_y, radius, x, y, SPHERE_INSIDE_PX, memory)
         if used > most or (used == most and sd < best_sd):
             best_x, best_y, best_sd, most = other_x, other_y, sd, used
-    if most >= HALF_SEEN:
-        return best_x, best_y, best_sd * SECTORS / most
-    return x, y, radius * (0.1 + HIDDEN_SHIFT * max(1.0 - candidate.share, 0.0))
+    if most < HALF_SEEN:
+        return x, y, 0.1 * radius + shift
+    best_sd += HIDDEN_SD_PX * (SECTORS - most) / SECTORS
+    return best_x, best_y, best_sd if radius > SMALL_PX else best_sd + shift

@@ -43,22 +43,28 @@ LEAST_CONTRAST = 20.0
 LEAST_INDEPENDENCE = 0.15
 """Squared sine of the angle between the inner and the outer color, seen from the background."""
 
+SAME_HUE, DARKEST_SHADE = 0.85, 0.4
+"""Squared cosine between two colors of one thing at least, and the darker one's share of the other's light."""
+
 FEWEST_SECTORS = 5
 LARGEST_SHIFT_PX = 1.5
+LARGEST_STEP = 0.8
+"""Half bands that a rim may be off the supposed circle: more cannot be measured in the band."""
 RIM_SD_PX = 0.075
 """Deviation of a sector's displacement before anything is known of the circle, were its radius one pixel: a longer
 rim has more pixels."""
 PRIOR_SECTORS = 4.0
 RADIUS_SD = 0.05
 """Relative deviation of the radius that the camera model predicts."""
-OUTLIER_SD, LEAST_OUTLIER_PX = 2.5, 0.1
+OUTLIER_SD, LEAST_OUTLIER_PX = 3.0, 0.1
 UNREFINED_SD = 0.05
 """Deviation of a center that could not be refined, in radii."""
 
-PIXELS, SHARES, RIM_X, RIM_Y, WEIGHT_B, WEIGHT_G, WEIGHT_R, OFFSET, OUT_B, OUT_G, OUT_R, USED = range(12)
-COLUMNS = 12
+PIXELS, SHARES, RIM_X, RIM_Y, WEIGHT_B, WEIGHT_G, WEIGHT_R, OFFSET, OUT_B, OUT_G, OUT_R, USED, BEYOND = range(13)
+COLUMNS = 13
 """Columns of the memory: of each sector its pixels, their surplus of share (then: its displacement), the rim's mean
-normal, the weights and the offset that unmix, the color beyond, and whether it takes part."""
+normal, the weights and the offset that unmix, the color outside, whether it takes part, and whether the circle's
+color goes on beyond it."""
 
 _TURNS = (np.arange(SECTORS) + 0.5) * (math.tau / SECTORS)
 _NORMALS = frozen(np.column_stack([np.cos(_TURNS), np.sin(_TURNS)]))
@@ -79,31 +85,38 @@ def refined_circle(
     pixels: shape (height, width, 3); x_px, y_px: its blob's centroid; radius_px: about as the camera predicts;
     memory: of ``center_memory``. What cannot be refined keeps its centroid, with a large deviation.
     """
-    x, y, sd, _ = fitted_circle(pixels, x_px, y_px, radius_px, PAPER_INSIDE_PX, memory)
+    x, y, sd, _ = fitted_circle(pixels, x_px, y_px, radius_px, x_px, y_px, PAPER_INSIDE_PX, memory)
     return x, y, sd
 
 
 @kernel
 def fitted_circle(
-    pixels: Bytes, x_px: float, y_px: float, radius_px: float, inside_px: float, memory: Floats
-) -> tuple[float, float, float, int]:
-    """As ``refined_circle``, and the number of sectors that the circle goes through; 0 when not refined.
+    pixels: Bytes, x_px: float, y_px: float, radius_px: float, core_x: float, core_y: float, inside_px: float,
+    memory: Floats,
+) -> tuple[float, float, float, int]:  # fmt: skip
+    """As ``refined_circle``, and the number of sectors that the circle goes through, less those where its color
+    goes on beyond the circle (against it, whether they fit or not); 0 when not refined.
 
-    inside_px: how far inside the rim its color is taken.
+    core_x, core_y: where it surely has its color [px]; inside_px: how far inside the rim that is taken.
     """
     height, width, _ = pixels.shape
     if not (0.0 < radius_px < width and 0.0 <= x_px < width and 0.0 <= y_px < height):
         return x_px, y_px, UNREFINED_SD * max(radius_px, 1.0), 0
-    _unmix(pixels, x_px, y_px, radius_px, inside_px, memory)
+    _unmix(pixels, x_px, y_px, radius_px, core_x, core_y, inside_px, memory)
     _measure_rim(pixels, x_px, y_px, radius_px, memory)
     dx, dy, sd, used = _fit(radius_px, memory)
     if used < FEWEST_SECTORS or not dx * dx + dy * dy <= LARGEST_SHIFT_PX * LARGEST_SHIFT_PX:
         return x_px, y_px, UNREFINED_SD * radius_px, 0
+    for k in range(SECTORS):
+        if memory[k, BEYOND] != 0.0:
+            used -= 2 if memory[k, USED] != 0.0 else 1
     return x_px + dx, y_px + dy, sd, used
 
 
 @kernel
-def _unmix(pixels: Bytes, x: float, y: float, radius: float, inside: float, memory: Floats) -> None:
+def _unmix(
+    pixels: Bytes, x: float, y: float, radius: float, core_x: float, core_y: float, inside: float, memory: Floats
+) -> None:
     """Find each sector's colors and the weights that tell the share of the inner one: w (color - background)."""
     for k in range(SECTORS):
         reach = radius + OUTSIDE_PX
@@ -111,26 +124,41 @@ def _unmix(pixels: Bytes, x: float, y: float, radius: float, inside: float, memo
         for channel in range(3):
             memory[k, OUT_B + channel] = pixels[v, u, channel]
     blue, green, red = _background(memory)
+    v, u = _pixel_at(pixels, core_x, core_y)
+    core = np.float64(pixels[v, u, 0]), np.float64(pixels[v, u, 1]), np.float64(pixels[v, u, 2])
     near = max(radius - inside, LEAST_RADIUS * radius)
     far = max(radius - SECOND_INSIDE * inside, LEAST_RADIUS * radius)
     for k in range(SECTORS):
         c, s = _NORMALS[k, 0], _NORMALS[k, 1]
         v, u = _pixel_at(pixels, x + near * c, y + near * s)
         j, i = _pixel_at(pixels, x + far * c, y + far * s)
-        f0 = 0.5 * (np.float64(pixels[v, u, 0]) + np.float64(pixels[j, i, 0])) - blue
-        f1 = 0.5 * (np.float64(pixels[v, u, 1]) + np.float64(pixels[j, i, 1])) - green
-        f2 = 0.5 * (np.float64(pixels[v, u, 2]) + np.float64(pixels[j, i, 2])) - red
+        f0 = 0.5 * (np.float64(pixels[v, u, 0]) + np.float64(pixels[j, i, 0]))
+        f1 = 0.5 * (np.float64(pixels[v, u, 1]) + np.float64(pixels[j, i, 1]))
+        f2 = 0.5 * (np.float64(pixels[v, u, 2]) + np.float64(pixels[j, i, 2]))
+        alike = _is_shade(f0, f1, f2, core)
+        f0, f1, f2 = f0 - blue, f1 - green, f2 - red
         q0, q1, q2 = memory[k, OUT_B] - blue, memory[k, OUT_G] - green, memory[k, OUT_R] - red
         ff = f0 * f0 + f1 * f1 + f2 * f2
         fq = f0 * q0 + f1 * q1 + f2 * q2
         qq = q0 * q0 + q1 * q1 + q2 * q2 + NOISE * NOISE
         volume = ff * qq - fq * fq
-        memory[k, USED] = ff > LEAST_CONTRAST * LEAST_CONTRAST and volume > LEAST_INDEPENDENCE * ff * qq
+        distinct = ff > LEAST_CONTRAST * LEAST_CONTRAST and volume > LEAST_INDEPENDENCE * ff * qq
+        memory[k, USED] = alike and distinct
+        memory[k, BEYOND] = _is_shade(memory[k, OUT_B], memory[k, OUT_G], memory[k, OUT_R], core)
         inner, outer = qq / max(volume, 1.0), fq / max(volume, 1.0)
         memory[k, WEIGHT_B] = inner * f0 - outer * q0
         memory[k, WEIGHT_G] = inner * f1 - outer * q1
         memory[k, WEIGHT_R] = inner * f2 - outer * q2
         memory[k, OFFSET] = -(memory[k, WEIGHT_B] * blue + memory[k, WEIGHT_G] * green + memory[k, WEIGHT_R] * red)
+
+
+@kernel
+def _is_shade(blue: float, green: float, red: float, core: tuple[float, float, float]) -> bool:
+    """Is a color about that of the core, in more or less light?"""
+    own = blue * blue + green * green + red * red
+    cores = core[0] * core[0] + core[1] * core[1] + core[2] * core[2]
+    common = blue * core[0] + green * core[1] + red * core[2]
+    return common * common >= SAME_HUE * own * cores and own >= DARKEST_SHADE * DARKEST_SHADE * cores
 
 
 @kernel
@@ -203,7 +231,8 @@ def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Float
         memory[k, SHARES] *= 2.0 * BAND_PX / count
         memory[k, RIM_X] /= count
         memory[k, RIM_Y] /= count
-        if memory[k, PIXELS] < 2.0 or abs(memory[k, SHARES]) > 0.8 * BAND_PX:
+        if memory[k, PIXELS] < 2.0 or abs(memory[k, SHARES]) > LARGEST_STEP * BAND_PX:
+            memory[k, BEYOND] = max(memory[k, BEYOND], memory[k, USED] * (memory[k, SHARES] > 0.0))
             memory[k, USED] = 0.0
 
 
@@ -251,6 +280,7 @@ def _fit(radius: float, memory: Floats) -> tuple[float, float, float, int]:
                 if off > worst_off:
                     worst, worst_off = k, off
         variance = squares / (PRIOR_SECTORS + max(used - 3, 0))
-        if worst_off <= max(OUTLIER_SD * math.sqrt(variance), LEAST_OUTLIER_PX):
+        others = (squares - worst_off * worst_off) / (PRIOR_SECTORS + max(used - 4, 0))
+        if worst_off <= max(OUTLIER_SD * math.sqrt(others), LEAST_OUTLIER_PX):
             return dx, dy, math.sqrt(0.5 * variance * (cc + ss) / volume), used
         memory[worst, USED] = 0.0
