@@ -135,7 +135,7 @@ def _twin(
     messages: Messages, tables: list[WorldTable], clients: tuple[Client, ...], settings: Settings
 ) -> tuple[Callable[[int], object] | None, str]:
     """The twin's call for the world of a round, checked byte for byte; or None, and why there is none."""
-    library, word = load_twin("views")
+    library, word = load_twin("views", "-fno-math-errno")
     if library is None:
         return None, word
     place = messages.eyes.place

@@ -114,25 +114,31 @@ def _write_edges(
 ) -> None:
     """Type and two hexadecimal digits of every direction, from word `at` on."""
     words, hex_words = ink.words, ink.hex_words
-    ray = first
+    ray, stride, count, word = np.uint64(first), np.uint64(step), np.uint64(rays), np.uint64(at)
     for _ in range(directions // 4):
         one = hex_words[px[ray]] | letters[kinds[ray]]
-        ray = ray + step if ray + step < rays else ray + step - rays
+        ray = _next(ray, stride, count)
         two = hex_words[px[ray]] | letters[kinds[ray]]
-        ray = ray + step if ray + step < rays else ray + step - rays
+        ray = _next(ray, stride, count)
         three = hex_words[px[ray]] | letters[kinds[ray]]
-        ray = ray + step if ray + step < rays else ray + step - rays
+        ray = _next(ray, stride, count)
         four = hex_words[px[ray]] | letters[kinds[ray]]
-        ray = ray + step if ray + step < rays else ray + step - rays
-        words[at] = np.uint32(one | two << np.uint32(24))
-        words[at + 1] = np.uint32(two >> np.uint32(8) | three << np.uint32(16))
-        words[at + 2] = np.uint32(three >> np.uint32(16) | four << np.uint32(8))
-        at += 3
+        ray = _next(ray, stride, count)
+        words[word] = np.uint32(one | two << np.uint32(24))
+        words[word + np.uint64(1)] = np.uint32(two >> np.uint32(8) | three << np.uint32(16))
+        words[word + np.uint64(2)] = np.uint32(three >> np.uint32(16) | four << np.uint32(8))
+        word += np.uint64(3)
     for k in range(directions % 4):
-        word = hex_words[px[ray]] | letters[kinds[ray]]
+        edge = hex_words[px[ray]] | letters[kinds[ray]]
         for byte in range(3):
-            ink.text[4 * at + 3 * k + byte] = word >> np.uint32(8 * byte) & np.uint32(255)
-        ray = ray + step if ray + step < rays else ray + step - rays
+            ink.text[4 * int(word) + 3 * k + byte] = edge >> np.uint32(8 * byte) & np.uint32(255)
+        ray = _next(ray, stride, count)
+
+
+@kernel
+def _next(ray: np.uint64, stride: np.uint64, count: np.uint64) -> np.uint64:
+    ray += stride
+    return ray if ray < count else ray - count
 
 
 @kernel

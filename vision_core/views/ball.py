@@ -131,7 +131,7 @@ def share_in_view(
     """
     x, y = bodies[own].x_m, bodies[own].y_m
     bx, by = ball_x_m - x, ball_y_m - y
-    within = math.hypot(bx, by)
+    within = math.sqrt(bx * bx + by * by)
     if within <= ball_radius_m:
         return 1.0
     if holder(x, y, own, bodies, body_count) >= 0:
@@ -175,8 +175,10 @@ def _clear_of(x: float, y: float, radius: float, toward_x: float, toward_y: floa
 @kernel
 def _hide(direction: float, half: float, azimuth: float, alpha: float, hidden: Floats, count: int) -> int:
     """Note what an interval hides of the ball's, which reaches alpha to either side of azimuth; the new count."""
+    if half <= 0.0:
+        return count
     offset = _turn(direction - azimuth)
-    if half > 0.0 and offset - half < alpha and offset + half > -alpha:
+    if offset - half < alpha and offset + half > -alpha:
         hidden[0, count], hidden[1, count] = max(offset - half, -alpha), min(offset + half, alpha)
         return count + 1
     return count

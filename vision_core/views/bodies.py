@@ -46,7 +46,8 @@ def lay_out(world: Table, kind_of_id: Bytes, team_radius_m: Floats, team_square:
         bodies[k].x_m, bodies[k].y_m = robots[k].x_m, robots[k].y_m
         bodies[k].radius_m = team_radius_m[team]
         bodies[k].cos, bodies[k].sin = math.cos(robots[k].heading_rad), math.sin(robots[k].heading_rad)
-        bodies[k].square = team_square[team] if robots[k].heading_sd_rad <= HEADING_KNOWN_RAD else 0
+        known = robots[k].heading_sd_rad <= HEADING_KNOWN_RAD and math.isfinite(robots[k].heading_rad)
+        bodies[k].square = team_square[team] if known else 0
         bodies[k].kind = kind_of_id[team, marker + 1 if 0 <= marker < 256 else 0]
     for k in range(world[0].counts[2]):
         body = bodies[count]
@@ -65,7 +66,7 @@ def holder(x_m: float, y_m: float, own: int, bodies: Table, count: int) -> int:
         radius = bodies[k].radius_m
         if k == own or abs(dx) > 1.5 * radius or abs(dy) > 1.5 * radius:
             continue
-        away = math.hypot(dx, dy)
+        away = math.sqrt(dx * dx + dy * dy)
         if bodies[k].square:
             along, aside = dx * bodies[k].cos + dy * bodies[k].sin, dy * bodies[k].cos - dx * bodies[k].sin
             held = max(abs(along), abs(aside)) <= radius

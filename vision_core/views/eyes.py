@@ -12,15 +12,17 @@ from vision_core.settings import Settings
 from vision_core.settings_models import robots_of
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
-from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, TEAM_NUMBER, TEAMS, Table, WorldTable
+from vision_core.types.tables import TEAM_NUMBER, TEAMS, Table, WorldTable
 from vision_core.types.views import BallView, RobotView
 from vision_core.views.ball import share_in_view
 from vision_core.views.bodies import BODY, MOST_BODIES, Integers, Row, lay_out
 from vision_core.views.splat import nearest_edges
 
+MOST_NUMBERS = 16
+"""Robots of a team that have a number, and so a view."""
 VIEWERS = len(TEAMS) * MOST_NUMBERS
 """A viewer's place in the tables: 16 * its team's number + its own number - 1."""
-GRIDS = (DIRECTIONS, 2 * DIRECTIONS, 4 * DIRECTIONS)
+GRIDS = (360, 720, 1440)
 """So many rays a view can have, evenly spaced; ray 0 is straight ahead."""
 MOST_RAYS = GRIDS[-1]
 FIRST_KIND = {Team.BLUE: EdgeKind.ROBOT_BLUE, Team.YELLOW: EdgeKind.ROBOT_YELLOW}
@@ -96,9 +98,10 @@ def look_all(world: Table, place: Place, sight: Sight) -> None:
         grid = 0 if rays == 360 else 1 if rays == 720 else 2
         ux, uy = sight.ux[:rays], sight.uy[:rays]
         c, s = bodies[own].cos, bodies[own].sin
-        for i in range(rays):
-            ux[i] = place.ray_x[grid, i] * c - place.ray_y[grid, i] * s
-            uy[i] = place.ray_x[grid, i] * s + place.ray_y[grid, i] * c
+        ahead, left = place.ray_x[grid], place.ray_y[grid]
+        for i in range(len(ux)):
+            ux[i] = ahead[i] * c - left[i] * s
+            uy[i] = ahead[i] * s + left[i] * c
         inside = abs(robot.x_m) <= place.limit_m[0] and abs(robot.y_m) <= place.limit_m[1]
         seen[viewer].overlap = nearest_edges(
             own, robot.heading_rad, bodies, count,
@@ -118,7 +121,7 @@ def _look_at_ball(world: Table, own: int, count: int, place: Place, sight: Sight
         own, ball.x_m, ball.y_m, radius, sight.bodies, count, place.segments_m[: place.solid], sight.hidden
     )
     dx, dy = ball.x_m - robot.x_m, ball.y_m - robot.y_m
-    away = math.hypot(dx, dy)
+    away = math.sqrt(dx * dx + dy * dy)
     seen.ball_m = away
     seen.ball_size_deg = 180.0 if away <= radius else math.degrees(2.0 * math.asin(radius / away))
     turned = math.degrees(math.atan2(dy, dx) - robot.heading_rad) % 360.0

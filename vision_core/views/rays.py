@@ -27,7 +27,7 @@ def segment_reach(ux: float, uy: float, x1: float, y1: float, x2: float, y2: flo
     ex, ey = x2 - x1, y2 - y1
     slant = ux * ey - uy * ex
     aside = x1 * uy - y1 * ux
-    length = math.hypot(ex, ey)
+    length = math.sqrt(ex * ex + ey * ey)
     if abs(slant) <= PARALLEL * length:
         if abs(aside) > PARALLEL * (abs(x1) + abs(y1)):
             return math.inf

@@ -2,10 +2,14 @@
 
 A thing is met by the rays between its two rims alone, so each thing touches those few and no others: a circle the rays
 in atan2(y, x) +- asin(radius / distance), a segment those between its ends. The rays at the rims are tried exactly as
-``rays`` has it, for angles are rounded; those in between meet it for certain.
+``rays`` has it, for angles are rounded; those in between meet it for certain. A body at no finite place is met by none.
+
+Inner loops count without a sign: numba would look at every index whether it counts from the end.
 """
 
 import math
+
+import numpy as np
 
 from vision_core.geometry import Bytes, Floats
 from vision_core.kernels import kernel
@@ -52,7 +56,7 @@ def nearest_edges(
         x1, y1, x2, y2 = segments_m[k, 0] - x, segments_m[k, 1] - y, segments_m[k, 2] - x, segments_m[k, 3] - y
         splat_segment(x1, y1, x2, y2, int(segment_kinds[k]), heading_rad, ux, uy, distances_m, kinds)
     for k in range(body_count):
-        if k == own:
+        if k == own or not math.isfinite(bodies[k].x_m + bodies[k].y_m + bodies[k].radius_m):
             continue
         if bodies[k].square:
             x1, y1 = corner(bodies[k], 0)
@@ -83,13 +87,17 @@ def splat_circle(
     per_rad = count / FULL_TURN
     middle = (math.atan2(y, x) - heading_rad) * per_rad
     half = math.asin(min(radius / math.sqrt(x * x + y * y), 1.0)) * per_rad
-    first = math.ceil(middle - half - 0.5)
-    rays = min(math.floor(middle + half + 0.5) - first + 1, count)
-    first %= count
-    end = first + rays
+    low = _in_turn(middle - half - 0.5, count)
+    first, end = math.ceil(low), math.floor(low + 2.0 * half + 1.0) + 1
     _meet_circle(x, y, radius, kind, first, min(end, count), ux, uy, distances_m, kinds)
-    if end > count:
-        _meet_circle(x, y, radius, kind, 0, end - count, ux, uy, distances_m, kinds)
+    _meet_circle(x, y, radius, kind, 0, end - count, ux, uy, distances_m, kinds)
+
+
+@kernel
+def _in_turn(ray: float, count: int) -> float:
+    """The same direction, 0 <= ray < count."""
+    ray -= count * math.floor(ray / count)
+    return ray if ray < count else 0.0  # count - 1e-17 is count
 
 
 @kernel
@@ -98,7 +106,7 @@ def _meet_circle(
     start: int, end: int, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
 ) -> None:  # fmt: skip
     square = radius * radius
-    for i in range(start, end):
+    for i in range(np.uint64(start), np.uint64(max(end, start))):
         along, aside = x * ux[i] + y * uy[i], x * uy[i] - y * ux[i]
         depth = square - aside * aside
         if depth >= 0.0 and along > 0.0:
@@ -121,17 +129,14 @@ def splat_segment(
     count = len(ux)
     per_rad = count / FULL_TURN
     opening = math.atan2(cross, x1 * x2 + y1 * y2) * per_rad
-    low = (math.atan2(y1, x1) - heading_rad) * per_rad + min(opening, 0.0)
-    first = math.floor(low)
-    last = math.ceil(low + abs(opening))
-    inner = last - first - 1
-    first %= count
+    low = _in_turn((math.atan2(y1, x1) - heading_rad) * per_rad + min(opening, 0.0), count)
+    first, last = math.floor(low), math.ceil(low + abs(opening))
+    _meet_line(cross, ex, ey, kind, first + 1, min(last, count), ux, uy, distances_m, kinds)
+    _meet_line(cross, ex, ey, kind, 0, last - count, ux, uy, distances_m, kinds)
+    if last >= count:
+        last -= count
     _try_segment(x1, y1, x2, y2, kind, first, first + 1, ux, uy, distances_m, kinds)
-    last %= count
     _try_segment(x1, y1, x2, y2, kind, last, last + 1, ux, uy, distances_m, kinds)
-    start, end = first + 1, first + 1 + inner
-    _meet_line(cross, ex, ey, kind, start, min(end, count), ux, uy, distances_m, kinds)
-    _meet_line(cross, ex, ey, kind, max(start - count, 0), end - count, ux, uy, distances_m, kinds)
 
 
 @kernel
@@ -139,7 +144,7 @@ def _meet_line(
     cross: float, ex: float, ey: float, kind: int,
     start: int, end: int, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
 ) -> None:  # fmt: skip
-    for i in range(start, end):
+    for i in range(np.uint64(start), np.uint64(max(end, start))):
         reach = cross / (ux[i] * ey - uy[i] * ex)
         nearer = reach < distances_m[i]
         distances_m[i] = reach if nearer else distances_m[i]
@@ -151,7 +156,7 @@ def _try_segment(
     x1: float, y1: float, x2: float, y2: float, kind: int,
     start: int, end: int, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
 ) -> None:  # fmt: skip
-    for i in range(start, end):
+    for i in range(np.uint64(start), np.uint64(end)):
         reach = segment_reach(ux[i], uy[i], x1, y1, x2, y2)
         if reach < distances_m[i]:
             distances_m[i], kinds[i] = reach, kind
