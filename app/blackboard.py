@@ -10,7 +10,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.records import ItemReader, Processes, ServiceInfo, Serving, SourceInfo, TaskInfo, Timed
 from vision_core.rtdb.slots import READ_TRIES, Glance
 from vision_core.rtdb.store import Store
-from vision_core.types.objects import Sightings
+from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.tracks import World
 from vision_core.types.views import Views
 
@@ -46,6 +46,8 @@ class Readings:
     frame: FrameStamp | None
     source: Timed[SourceInfo] | None
     sightings: Timed[Sightings] | None
+    obstacles: Timed[Obstacles] | None
+    diagnosis: Timed[Diagnosis] | None
     world: Timed[World] | None
     views: Timed[Views] | None
     serving: Timed[Serving] | None
@@ -69,6 +71,8 @@ class Blackboard:
         self._processes = records.PROCESSES.reader(store)
         self._source = records.source(camera.name).reader(store)
         self._sightings = records.sightings(camera.name).reader(store)
+        self._obstacles = records.obstacles(camera.name).reader(store)
+        self._diagnosis = records.diagnosis(camera.name).reader(store)
         self._world = records.WORLD.reader(store)
         self._views = records.VIEWS.reader(store)
         self._serving = records.SERVING.reader(store)
@@ -91,6 +95,8 @@ class Blackboard:
             frame=_stamp_of(glance, now) if glance is not None else None,
             source=self._source.read(now),
             sightings=self._sightings.read(now),
+            obstacles=self._obstacles.read(now),
+            diagnosis=self._diagnosis.read(now),
             world=self._world.read(now),
             views=self._views.read(now),
             serving=self._serving.read(now),
@@ -116,6 +122,5 @@ class Blackboard:
     @property
     def sequences(self) -> tuple[int, ...]:
         """Changes whenever a record was written."""
-        readers = (self._processes, self._sightings, self._world, self._views, self._serving)
-        tasks = (reader.sequence for reader in self._tasks.values())
-        return (*(reader.sequence for reader in readers), *tasks)
+        seen = (self._sightings, self._obstacles, self._diagnosis, self._world, self._views)
+        return tuple(reader.sequence for reader in (self._processes, *seen, self._serving, *self._tasks.values()))

@@ -43,8 +43,10 @@ class Camera(Report):
     robots: int
     """Seen in the newest image; 0 when perception is silent."""
     balls: int
+    obstacles: int
+    """Things of robot size that nobody knows, where they were looked for last; 0 when nobody looks."""
     reasons: list[str]
-    """Why nothing, or too little, is detected."""
+    """Why nothing, or too little, is detected; looked into about once a second, and told for 5 s at most."""
 
 
 class Client(Report):
@@ -152,6 +154,8 @@ def _camera(readings: Readings) -> Camera:
     camera = readings.service.settings.camera
     capture = readings.tasks.get("capture")
     seen = readings.sightings.value if readings.sightings and readings.sightings.valid else None
+    found = readings.obstacles.value if readings.obstacles and readings.obstacles.valid else None
+    told = readings.diagnosis.value if readings.diagnosis and readings.diagnosis.valid else None
     return Camera(
         name=camera.name,
         width_px=camera.width_px,
@@ -163,7 +167,8 @@ def _camera(readings: Readings) -> Camera:
         age_s=readings.frame.age_s if readings.frame else None,
         robots=len(seen.robots) if seen else 0,
         balls=len(seen.balls) if seen else 0,
-        reasons=list(seen.reasons) if seen else [],
+        obstacles=len(found.obstacles) if found else 0,
+        reasons=list(told.reasons) if told else [],
     )
 
 

@@ -13,7 +13,8 @@ SETTINGS = load_settings()
 CAMERA = camera_model_from(SETTINGS)
 WIDTH, HEIGHT = SETTINGS.camera.width_px, SETTINGS.camera.height_px
 CARPET = (60.0, 110.0, 50.0)
-FLOOR_M = CAMERA.field_from_pixel(np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=-1).reshape(-1, 2) * 1.0)
+GRID_PX = np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=-1)
+FLOOR_M = CAMERA.field_from_pixel(GRID_PX.reshape(-1, 2).astype(np.float64))
 
 
 def finder() -> ObstacleFinder:

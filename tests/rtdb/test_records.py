@@ -29,7 +29,7 @@ def round_trip(item: Item[T], value: T) -> T:
 def test_sightings() -> None:
     robot = RobotSighting(Team.BLUE, None, 1.5, 2.5, 0.1, 0.2, None, 0.9, 0.001, None)
     ball = BallSighting(5.0, 6.0, 0.0, 0.1, 0.8, 0.001)
-    seen = Sightings("main", 7, Instant(1), Instant(2), (robot,), (ball,), ())
+    seen = Sightings("main", 7, Instant(1), Instant(2), (robot,), (ball,), True)
     assert round_trip(records.sightings("main"), seen) == seen
 
 

@@ -12,15 +12,12 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import Instant, ManualClock
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
-from vision_core.objects.ball import MOST_BALLS
-from vision_core.objects.robots import MOST_ROBOTS
 from vision_core.opencv import draw_circle
-from vision_core.settings import ColorRange
 from vision_core.settings_models import camera_model_from
 from vision_core.tasks.perception import Perception
 from vision_core.tracks.tracking import Tracker
 from vision_core.types.image import ImageFrame
-from vision_core.types.tables import SightingsTable
+from vision_core.types.tables import MOST_BALLS, MOST_ROBOTS
 
 CORNER = (420, 40)
 """Where in the frame the drawn piece lies: off axis, where parallax and distortion count [px]."""
@@ -57,7 +54,7 @@ def test_a_frame_becomes_sightings(perception: Perception) -> None:
     x, y = piece.camera.field_from_pixel(np.array([[45.0, 45.0]]), SETTINGS.robots.height_m)[0].tolist()
     piece.paint_robot("yellow", CODES[11], x, y, 2.2)
     piece.paint_ball(x + 0.2, y)
-    seen = perception.perceive(frame_of(piece), ManualClock(Instant(456)))
+    seen = perception.perceive(frame_of(piece), ManualClock(Instant(456))).record()
     (robot,), (ball,) = seen.robots, seen.balls
     assert (robot.team, robot.id) == ("yellow", 11)
     assert turn_between(robot.heading_rad, 2.2) < math.radians(2.0)
@@ -65,37 +62,41 @@ def test_a_frame_becomes_sightings(perception: Perception) -> None:
     assert math.dist((robot.x_px, robot.y_px), (45 + CORNER[0], 45 + CORNER[1])) < 0.4
     assert math.dist((ball.x_m, ball.y_m), (x + 0.2, y)) < 0.002
     assert (seen.camera, seen.frame_number, seen.grabbed, seen.perceived) == ("main", 7, 123, 456)
-    assert seen.reasons == ()
+    assert seen.complete
 
 
-def test_an_empty_field_says_why(perception: Perception) -> None:
-    seen = perception.perceive(frame_of(Picture(CutCamera(), 20, 20)), ManualClock())  # type: ignore[arg-type]
+def test_an_empty_field_shows_nothing(perception: Perception) -> None:
+    seen = perception.perceive(frame_of(Picture(CutCamera(), 20, 20)), ManualClock()).record()  # type: ignore[arg-type]
     assert (seen.robots, seen.balls) == ((), ())
-    assert seen.reasons == ("no robot: no blob of a team's color", "no ball: no orange blob")
 
 
-def test_overflow_is_said() -> None:
+def test_overflow_is_told() -> None:
     blobs = msgspec.structs.replace(SETTINGS.blobs, max_runs=100)
     perception = Perception(msgspec.structs.replace(SETTINGS, blobs=blobs))
     size = (SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3)
     flood = np.full(size, PAINTS["orange"], dtype=np.uint8)
-    seen = perception.perceive(ImageFrame("main", 1, Instant(0), flood), ManualClock())
-    assert "too many blobs" in seen.reasons[0]
-
-
-def test_conflicts_of_color_classes_are_said_when_something_is_missing() -> None:
-    shadowed = {"everything": (ColorRange(value=(0.0, 1.0)),), **SETTINGS.colors.classes}
-    colors = msgspec.structs.replace(SETTINGS.colors, classes=shadowed)
-    perception = Perception(msgspec.structs.replace(SETTINGS, colors=colors))
-    seen = perception.perceive(frame_of(Picture(CutCamera(), 20, 20)), ManualClock())  # type: ignore[arg-type]
-    assert any("classes everything and orange claim" in reason for reason in seen.reasons)
+    assert not perception.perceive(ImageFrame("main", 1, Instant(0), flood), ManualClock()).record().complete
 
 
 def test_a_pattern_without_its_color_classes_is_refused() -> None:
     classes = {name: boxes for name, boxes in SETTINGS.colors.classes.items() if name != "pink"}
     colors = msgspec.structs.replace(SETTINGS.colors, classes=classes)
-    with pytest.raises(SettingsError, match=r"dot_colors; found: pink; accepted: .*green"):
+    with pytest.raises(SettingsError, match=r"colors; found: pink; accepted: .*green"):
         Perception(msgspec.structs.replace(SETTINGS, colors=colors))
+
+
+@pytest.mark.slow
+def test_windows_show_what_the_whole_frame_shows() -> None:
+    """Frame after frame from windows and strip, against each frame judged alone."""
+    clock = ManualClock()
+    camera = SyntheticCamera(SETTINGS, clock, paced=False)
+    pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
+    following, alone = Perception(SETTINGS), Perception(SETTINGS)
+    for number in range(1, 61):
+        grabbed = camera.grab(pixels)
+        by_windows = following.perceive(ImageFrame("main", number, grabbed, pixels), clock).record()
+        whole = alone.perceive(ImageFrame("main", number, Instant(0), pixels), clock).record()
+        assert (by_windows.robots, by_windows.balls[:1]) == (whole.robots, whole.balls[:1])
 
 
 @pytest.mark.slow
@@ -104,7 +105,7 @@ def test_a_simulated_match_is_read_without_a_miss(perception: Perception) -> Non
     camera = SyntheticCamera(SETTINGS, clock, paced=False)
     pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
     for number in range(1, 41):
-        seen = perception.perceive(ImageFrame("main", number, camera.grab(pixels), pixels), clock)
+        seen = perception.perceive(ImageFrame("main", number, camera.grab(pixels), pixels), clock).record()
         truth = camera.truth
         robots = {(robot.team, robot.id): robot for robot in seen.robots}
         assert len(robots) == len(seen.robots)
@@ -140,5 +141,5 @@ def test_a_cloth_of_dots_finds_room_in_the_database(
     for number in range(1, 7):
         pixels = cloth(5 * (number // 2), dots, spacing_px)  # seen twice, then elsewhere: every track is predicted
         seen = perception.perceive(ImageFrame("main", number, Instant(number * 33_000_000), pixels), ManualClock())
-        assert len(seen.robots) + len(seen.balls) == found
-        assert tracker.update(SightingsTable.of(seen)).counts[0] <= MOST_ROBOTS
+        assert seen.counts.sum() == found
+        assert tracker.update(seen).counts[0] <= MOST_ROBOTS

@@ -41,5 +41,5 @@ def test_the_defaults_are_in_order(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 
 def test_a_palette_without_the_markers_colors_is_refused() -> None:
     settings = load_settings(options={"colors.classes": {"orange": [{"hue_deg": [4.0, 34.0]}]}})
-    with pytest.raises(SettingsError, match="dot_colors"):
+    with pytest.raises(SettingsError, match="colors; found"):
         check_tasks(settings)

@@ -67,7 +67,7 @@ def test_errors_are_as_large_as_the_tracks_say(rate_hz: float, ahead_s: float) -
             at = after(START, frame / rate_hz)
             robot = RobotSighting(Team.BLUE, 1, 0.0, 0.0, x, y, math.remainder(heading, math.tau), 0.9, SD[0], SD[1])
             balls = (BallSighting(0.0, 0.0, float(ball[0]), float(ball[1]), 0.9, SD[2]),)
-            tracker.update(SightingsTable.of(Sightings("main", frame, at, at, (robot,), balls, ())))
+            tracker.update(SightingsTable.of(Sightings("main", frame, at, at, (robot,), balls, True)))
             if frame < 3:
                 continue  # a heading that turns by radians per frame is not yet one angle
             world = tracker.predict(after(at, lead / rate_hz)).record()
@@ -85,7 +85,7 @@ def test_a_surer_sighting_weighs_more() -> None:
             x, sd = (0.0, 0.001) if frame < 59 else (0.01, sd_m)
             at = after(START, 0.005 * frame)
             robot = RobotSighting(Team.BLUE, 1, 0.0, 0.0, x, 0.0, 0.0, 0.9, sd, 0.01)
-            world = tracker.update(SightingsTable.of(Sightings("main", frame, at, at, (robot,), (), ()))).record()
+            world = tracker.update(SightingsTable.of(Sightings("main", frame, at, at, (robot,), (), True))).record()
         return world.robots[0].x_m
 
     places = [last_place(sd) for sd in (0.03, 0.01, 0.003, 0.001, 0.0)]
@@ -97,7 +97,7 @@ def test_a_start_is_as_sure_as_its_sighting_and_the_calibration() -> None:
     tracker = Tracker(RULES, SETTINGS.robots)
     robot = RobotSighting(Team.BLUE, 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.9, 0.004, 0.02)
     ball = BallSighting(0.0, 0.0, 0.0, 0.0, 0.9, 0.003)
-    world = tracker.update(SightingsTable.of(Sightings("main", 1, START, START, (robot,), (ball,), ()))).record()
+    world = tracker.update(SightingsTable.of(Sightings("main", 1, START, START, (robot,), (ball,), True))).record()
     assert world.ball is not None
     assert world.robots[0].position_sd_m == pytest.approx(math.hypot(0.004, RULES.robot_noise_m))
     assert world.robots[0].heading_sd_rad == pytest.approx(math.hypot(0.02, RULES.heading_noise_rad))

@@ -33,7 +33,7 @@ class Film:
     ) -> World:
         """The next frame; told: it is an obstacle frame, too, or brings the one of an earlier instant."""
         self.at = after(self.at, 0.01)
-        seen = SightingsTable.of(Sightings("main", 1, self.at, self.at, tuple(robots), (), ()))
+        seen = SightingsTable.of(Sightings("main", 1, self.at, self.at, tuple(robots), (), True))
         table = obstacle_table(tuple(ObstacleSighting(0.0, 0.0, x, y, 0.08, 0.9) for x, y in things))
         return self.tracker.update(seen, table if told else None, at).record()
 

@@ -21,7 +21,7 @@ def table(number: int) -> SightingsTable:
         for marker in range(5)
     ]
     return SightingsTable.of(
-        Sightings("main", number, at, at, tuple(robots), (BallSighting(0.0, 0.0, 0.0, 0.0, 0.9, 0.001),), ())
+        Sightings("main", number, at, at, tuple(robots), (BallSighting(0.0, 0.0, 0.0, 0.0, 0.9, 0.001),), True)
     )
 
 

@@ -43,7 +43,7 @@ class Film:
         grabbed = after(START, self.number * self.period_s) if at is None else at
         robots = tuple(s for s in seen if isinstance(s, RobotSighting))
         balls = sorted((s for s in seen if isinstance(s, BallSighting)), key=lambda b: -b.confidence)
-        sightings = Sightings("main", self.number, grabbed, after(grabbed, 0.002), robots, tuple(balls), ())
+        sightings = Sightings("main", self.number, grabbed, after(grabbed, 0.002), robots, tuple(balls), True)
         self.world = self.tracker.update(SightingsTable.of(sightings)).record()
         return self.world
 

@@ -13,7 +13,7 @@ SEEN = Sightings(
         RobotSighting(Team.BLUE, 5, 1.5, 2.5, 0.1, 0.2, -math.pi, 0.9, 0.001, 0.01),
         RobotSighting(Team.YELLOW, None, 3.0, 4.0, -1.0, 0.0, None, 0.4, 0.02, None),
     ),
-    (BallSighting(5.0, 6.0, 0.0, 0.1, 0.8, 0.001),), (),
+    (BallSighting(5.0, 6.0, 0.0, 0.1, 0.8, 0.001),), True,
 )  # fmt: skip
 THERE = World(
     7, Instant(10),

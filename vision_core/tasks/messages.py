@@ -28,6 +28,7 @@ from vision_core.views.eyes import MOST_RAYS, VIEWERS, Eyes, Place, Sight, look_
 
 TYPES = ("same", "team", "number")
 
+
 class Client(Protocol):
     """What a session tells of its wishes."""
 

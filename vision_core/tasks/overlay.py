@@ -1,6 +1,7 @@
 """Draws into pictures what was seen in them."""
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -12,10 +13,11 @@ from vision_core.opencv import Color, draw_circle, draw_line, draw_text, text_si
 from vision_core.settings import Settings, TeamRobotSettings
 from vision_core.settings_models import robots_of
 from vision_core.types.colors import ColorTable
-from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
+from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting, Sightings, Team
 
 TEAM_COLORS: dict[Team, Color] = {Team.BLUE: (255, 160, 40), Team.YELLOW: (40, 230, 255)}
 BALL_COLOR: Color = (0, 140, 255)
+OBSTACLE_COLOR: Color = (200, 80, 200)
 PAINT_COLOR: Color = (255, 80, 255)
 POINTS_PER_LINE = 40
 """A lens bends lines."""
@@ -25,8 +27,10 @@ DARK: Color = (0, 0, 0)
 BACKGROUND = 0.4
 
 
-def draw_sightings(pixels: Bytes, seen: Sightings, camera: CameraModel, settings: Settings) -> Bytes:
-    """A copy of a picture with every robot's outline, heading, team and id, every ball, and the field's lines.
+def draw_sightings(
+    pixels: Bytes, seen: Sightings, camera: CameraModel, settings: Settings, obstacles: Sequence[ObstacleSighting] = ()
+) -> Bytes:
+    """A copy of a picture with every robot's outline, heading, team and id, every ball and obstacle, and the lines.
 
     Lines beside the painted ones tell that the camera or the field's measures are wrong.
     """
@@ -40,6 +44,10 @@ def draw_sightings(pixels: Bytes, seen: Sightings, camera: CameraModel, settings
         _draw_robot(canvas, robot, camera, settings)
     for ball in seen.balls:
         _draw_ball(canvas, ball, camera, settings)
+    for thing in obstacles:
+        radius_px = thing.radius_m * camera.pixels_per_metre((thing.x_m, thing.y_m))
+        _ring(canvas, (thing.x_px, thing.y_px), radius_px, OBSTACLE_COLOR)
+        _label(canvas, "?", (thing.x_px - radius_px, thing.x_px + radius_px), thing.y_px, OBSTACLE_COLOR)
     return canvas
 
 

@@ -25,8 +25,8 @@ def main() -> None:
     perception = Perception(settings)
     perception.warm_up()
     frames = attachment.store.reader(f"frames/{camera.name}")
-    item = records.sightings(camera.name)
-    sightings = item.writer(attachment.store)
+    name = records.sightings(camera.name).spec.name
+    sightings = attachment.store.writer(name)
     newest, missed = frames.sequence, 0
     patience_s = min(PATIENCE_PERIODS / camera.rate_hz, LONGEST_WAIT_S)
     while not attachment.stopping:
@@ -44,8 +44,8 @@ def main() -> None:
             missed += 1
             continue
         done = clock.now()
-        sightings.write(seen, glance.measured, done)
-        attachment.notify(item.spec.name)
+        sightings.write(seen.bytes, glance.measured, done)
+        attachment.notify(name)
         gauge.ran(glance.written, done, missed)
         missed = 0
 

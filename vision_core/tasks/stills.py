@@ -10,15 +10,15 @@ from vision_core.color.pictures import axis_pictures
 from vision_core.errors import PslvError, SourceError
 from vision_core.opencv import read_picture, write_picture
 from vision_core.settings import Settings
-from vision_core.settings_models import camera_model_from
+from vision_core.tasks.diagnosis import reasons_of
+from vision_core.tasks.obstacles import finder_from
 from vision_core.tasks.overlay import draw_classes, draw_sightings
 from vision_core.tasks.perception import Perception
 from vision_core.types.image import ImageFrame
-from vision_core.types.objects import Sightings
 
 
 def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -> Iterator[dict[str, object]]:
-    """For every picture one table that JSON can hold: ``{"file", "robots", "balls", "reasons"}``.
+    """For every picture one table that JSON can hold: ``{"file", "robots", "balls", "obstacles", "reasons"}``.
 
     A picture that cannot be read or has not the camera's size gives ``{"file", "error"}``, and the rest
     go on. draw: folder for overlays, made when it is not there: NAME.png shows what was
@@ -45,19 +45,22 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
     if (width, height) != (camera.width_px, camera.height_px):
         accepted = f"{camera.width_px}x{camera.height_px} (camera.width_px, camera.height_px of the venue)"
         raise SourceError(f"picture {file}", found=f"{width}x{height} px", accepted=accepted)
-    seen = perception.perceive(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock())
+    seen = perception.perceive(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock()).record()
+    obstacles = finder_from(settings).find(pixels, seen.robots, seen.balls)
     if draw is not None:
-        overlay = draw_sightings(pixels, seen, camera_model_from(settings), settings)
+        overlay = draw_sightings(pixels, seen, perception.camera, settings, obstacles)
         write_picture(draw / f"{file.stem}.png", overlay)
-        lit = perception.lighting.lit(pixels, Instant(0))
+        lit = perception.pixels
         write_picture(draw / f"{file.stem}-classes.png", draw_classes(lit, perception.table))
         for axis, picture in axis_pictures(lit, settings.colors.space).items():
             write_picture(draw / f"{file.stem}-{axis}.png", picture)
-    return {"file": str(file), **_as_table(seen)}
-
-
-def _as_table(seen: Sightings) -> dict[str, object]:
-    parts = {"robots": list(seen.robots), "balls": list(seen.balls), "reasons": list(seen.reasons)}
+    parts = {
+        "file": str(file),
+        "robots": list(seen.robots),
+        "balls": list(seen.balls),
+        "obstacles": list(obstacles),
+        "reasons": list(reasons_of(perception, seen)),
+    }
     table: dict[str, object] = msgspec.to_builtins(parts)
     return table
 

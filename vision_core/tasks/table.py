@@ -43,7 +43,7 @@ class Task:
 def task_table(camera: str) -> tuple[Task, ...]:
     """Every task of a service with one camera."""
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
-    obstacles = f"obstacles/{camera}"
+    obstacles, diagnosis = f"obstacles/{camera}", f"diagnosis/{camera}"
     return (
         Task(
             "compile",
@@ -76,6 +76,13 @@ def task_table(camera: str) -> tuple[Task, ...]:
             writes=(obstacles,),
         ),
         Task(
+            "diagnose",
+            "vision_core.tasks.diagnose",
+            trigger=frames,
+            reads=("service", frames),
+            writes=(diagnosis,),
+        ),
+        Task(
             "serve",
             "vision_core.tasks.serve",
             trigger=sightings,
@@ -87,7 +94,10 @@ def task_table(camera: str) -> tuple[Task, ...]:
             "web",
             "app.web_process",
             trigger=None,
-            reads=("service", "processes", frames, source, sightings, "world", "views", "serving"),
+            reads=(
+                *("service", "processes", "world", "views", "serving"),
+                *(frames, source, sightings, obstacles, diagnosis),
+            ),
             writes=(),
             sockets=("http",),
             needs_kernels=False,
@@ -105,6 +115,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task]) -> tuple[RecordSpec,
         records.source(camera.name).spec,
         records.sightings(camera.name).spec,
         records.obstacles(camera.name).spec,
+        records.diagnosis(camera.name).spec,
         records.WORLD.spec,
         records.VIEWS.spec,
         records.SERVING.spec,

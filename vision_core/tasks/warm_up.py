@@ -32,7 +32,7 @@ def warm_up_scene(settings: Settings) -> None:
         RobotSighting(Team.BLUE, ids[0], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.001, 0.01),
         RobotSighting(Team.YELLOW, ids[1], 0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.001, 0.01),
     )
-    seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0, 0.001),), ())
+    seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0, 0.001),), True)
     world = Tracker(settings.tracks, settings.robots).update(SightingsTable.of(seen), obstacle_table(()))
     messages, lines = Messages(settings, Instant(0)), Lines(Instant(0), random.Random(0))  # noqa: S311 (of no client)
     messages.write(world, ())

@@ -15,7 +15,6 @@ instant. Theory of operation, files from the outside in:
 ``state``
     what is remembered, and the rules, as tables.
 
-``tracker``, ``robots``, ``ball``, ``assignment`` and ``kalman`` are the same on records.
 
 Rules:
 

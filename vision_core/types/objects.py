@@ -90,5 +90,5 @@ class Sightings:
     """When perception was done with the frame."""
     robots: tuple[RobotSighting, ...]
     balls: tuple[BallSighting, ...]
-    reasons: tuple[str, ...]
-    """Why nothing, or too little, was seen."""
+    complete: bool
+    """False when there were more blobs than there was room for: parts of the picture were not looked at."""

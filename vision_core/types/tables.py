@@ -153,7 +153,7 @@ class SightingsTable:
             perceived=Instant(int(row["perceived"])),
             robots=tuple(_robot(robot) for robot in self.robots[:robots].tolist()),
             balls=tuple(BallSighting(*ball) for ball in self.balls[:balls].tolist()),
-            reasons=(),
+            complete=bool(row["complete"]),
         )
 
     @classmethod
@@ -161,6 +161,7 @@ class SightingsTable:
         """A table of a record."""
         table = cls()
         table.stamp(seen.camera, seen.frame_number, seen.grabbed, seen.perceived)
+        table.whole["complete"] = seen.complete
         table.counts[:] = len(seen.robots), len(seen.balls)
         for index, robot in enumerate(seen.robots):
             table.robots[index] = (
