@@ -18,15 +18,28 @@ from vision_core.net.batch import Batch
 from vision_core.protocol.letters import LetterTable, letters_by_kind
 from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
+from vision_core.rtdb.records import Views, ViewSnapshot
 from vision_core.settings import Settings
 from vision_core.settings_models import mirror_from
 from vision_core.tasks.see_text import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
 from vision_core.types.objects import Team
-from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, Table, ViewsTable, WorldTable
+from vision_core.types.tables import TEAMS, Table, WorldTable
 from vision_core.views.bodies import Integers
-from vision_core.views.eyes import MOST_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
+from vision_core.views.eyes import GRIDS, MOST_NUMBERS, MOST_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
 
+DIRECTIONS = GRIDS[0]
+"""Of the page's views: every whole degree."""
 TYPES = ("same", "team", "number")
+
+VIEW = np.dtype(
+    [
+        ("team", np.int32), ("number", np.int32), ("overlap", np.int32), ("partial", np.int32),
+        ("ball_px", np.int32), ("ball_direction_deg", np.int32), ("ball_size_deg", np.int32),
+        ("px", np.uint8, (DIRECTIONS,)), ("kinds", np.uint8, (DIRECTIONS,)),
+    ]
+)  # fmt: skip
+"""A ``ViewSnapshot``."""
+VIEWS = np.dtype([("frame_number", np.int64), ("at", np.int64), ("count", np.int64), ("views", VIEW, (VIEWERS,))])
 
 
 class Client(Protocol):
@@ -62,11 +75,11 @@ def write_messages(
             starts[k] = lengths[k] = 0
             continue
         rays = sight.rays[request.viewer]
-        kinds, px = sight.kinds[request.viewer, :rays], ink.px[:rays]
+        kinds, px = sight.kinds[seen.start : seen.start + rays], ink.px[:rays]
         if rays == DIRECTIONS and not request.own_mirror:
             px = ink.page_px[request.viewer]
         else:
-            mirror_px(sight.distances_m[request.viewer], 1, request.a, request.b, request.c, request.d, px)
+            mirror_px(sight.distances_m[seen.start :], 1, request.a, request.b, request.c, request.d, px)
         starts[k], lengths[k] = write_see(world[0].at - boot, seen, request, rays, kinds, px, k, ink)
 
 
@@ -84,7 +97,7 @@ def _write_views(world: Table, sight: Sight, page: Table, page_px: Bytes, views:
         view.overlap, view.partial = seen.overlap, 0.0 < seen.ball_share < 1.0
         view.ball_px, view.ball_direction_deg, view.ball_size_deg = ball_words(seen, request)
         finer = sight.rays[viewer] // DIRECTIONS
-        distances, kinds, px = sight.distances_m[viewer], sight.kinds[viewer], page_px[viewer]
+        distances, kinds, px = sight.distances_m[seen.start :], sight.kinds[seen.start :], page_px[viewer]
         if finer == 1:  # said as a constant it is compiled for neighbors in memory: three times as fast
             mirror_px(distances, 1, request.a, request.b, request.c, request.d, px)
             view.kinds[:] = kinds[:DIRECTIONS]
@@ -107,8 +120,8 @@ class Messages:
         self._letters = np.array([letters_by_kind(self.letters, types) for types in TYPES])
         self._page: Table = np.zeros(1, dtype=REQUEST)
         self._page[0] = self.request(Team.BLUE, 1, PAPER_OPTIONS, nul=False)
-        self.views = ViewsTable()
-        """What the page shows of the last world."""
+        self.views: Table = np.zeros(1, dtype=VIEWS)
+        """What the page shows of the last world: VIEWS, shape (1,)."""
         self._page_px = np.zeros((VIEWERS, DIRECTIONS), dtype=np.uint8)
         self._prepare(())
 
@@ -124,10 +137,16 @@ class Messages:
         if len(due) != len(clients):
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
         write_messages(
-            world.whole, self._boot, self.eyes.place, self.eyes.sight, self._page, self.views.whole,
+            world.whole, self._boot, self.eyes.place, self.eyes.sight, self._page, self.views,
             self._requests, due, self.ink, self._batch.starts, self._batch.lengths,
         )  # fmt: skip
         return self._batch
+
+    def snapshot(self) -> Views:
+        """The views for the page of the last world."""
+        row = self.views[0]
+        views = row["views"][: row["count"]]
+        return Views(row["frame_number"].item(), row["at"].item(), tuple(_snapshot(*view) for view in views.tolist()))
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
         """A client's row for ``write_messages``. Raises ValueError when a view cannot have its directions."""
@@ -167,3 +186,20 @@ class Messages:
 def _constants(mirror: Mirror) -> tuple[float, float, float, float]:
     """A, B, C of equation 1, and D as ``Mirror.px_from_mm`` computes it."""
     return mirror.a, mirror.b, mirror.c, mirror.a**2 - mirror.b**2 * mirror.c
+
+
+def _snapshot(
+    team: int, number: int, overlap: int, partial: int, ball_px: int, direction_deg: int, size_deg: int,
+    px: Bytes, kinds: Bytes,
+) -> ViewSnapshot:  # fmt: skip
+    return ViewSnapshot(
+        team=TEAMS[team],
+        number=number,
+        px=bytes(px),
+        kinds=bytes(kinds),
+        ball_px=ball_px,
+        ball_direction_deg=direction_deg,
+        ball_size_deg=size_deg,
+        partial=bool(partial),
+        overlap=bool(overlap),
+    )

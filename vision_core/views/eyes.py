@@ -16,7 +16,7 @@ from vision_core.types.tables import TEAM_NUMBER, TEAMS, Table, WorldTable
 from vision_core.types.views import BallView, RobotView
 from vision_core.views.ball import share_in_view
 from vision_core.views.bodies import BODY, MOST_BODIES, Integers, Row, lay_out
-from vision_core.views.splat import nearest_edges
+from vision_core.views.splat import nearest_edges, turn_rays
 
 MOST_NUMBERS = 16
 """Robots of a team that have a number, and so a view."""
@@ -29,12 +29,12 @@ FIRST_KIND = {Team.BLUE: EdgeKind.ROBOT_BLUE, Team.YELLOW: EdgeKind.ROBOT_YELLOW
 
 SEEN = np.dtype(
     [
-        ("body", np.int32), ("overlap", np.int32), ("ball_share", np.float64),
+        ("body", np.int32), ("overlap", np.int32), ("start", np.int64), ("ball_share", np.float64),
         ("ball_m", np.float64), ("ball_deg", np.float64), ("ball_size_deg", np.float64),
     ]
 )  # fmt: skip
-"""A viewer's row in the world (-1: it is not there), is another outline over its center, and the ball as ``BallView``
-has it; share 0: hidden, or there is none."""
+"""A viewer's row in the world (-1: it is not there), is another outline over its center, where its rays begin in the
+arrays of all, and the ball as ``BallView`` has it; share 0: hidden, or there is none."""
 
 
 class Place(NamedTuple):
@@ -68,9 +68,9 @@ class Sight(NamedTuple):
     seen: Table
     """SEEN, shape (VIEWERS,)."""
     distances_m: Floats
-    """Nearest edge of each ray, inf for nothing, shape (VIEWERS, MOST_RAYS)."""
+    """Nearest edge of each ray, inf for nothing: viewer after viewer, from SEEN's start on."""
     kinds: Bytes
-    """EdgeKind of each ray, shape (VIEWERS, MOST_RAYS)."""
+    """EdgeKind of each ray, likewise."""
     bodies: Table
     ux: Floats
     uy: Floats
@@ -87,26 +87,25 @@ def look_all(world: Table, place: Place, sight: Sight) -> None:
     count = lay_out(world, place.kind_of_id, place.team_radius_m, place.team_square, bodies)
     for viewer in range(VIEWERS):
         seen[viewer].body = -1
+    start = 0
     for own in range(world[0].counts[0]):
         robot = world[0].robots[own]
         marker = robot.id
         viewer = place.viewer_of_id[robot.team, marker] if 0 <= marker < 256 else -1
         if viewer < 0 or seen[viewer].body >= 0 or not math.isfinite(robot.x_m + robot.y_m + robot.heading_rad):
             continue
-        seen[viewer].body = own
         rays = sight.rays[viewer]
+        seen[viewer].body, seen[viewer].start = own, start
+        distances, kinds = sight.distances_m[start : start + rays], sight.kinds[start : start + rays]
+        start += rays
         grid = 0 if rays == 360 else 1 if rays == 720 else 2
         ux, uy = sight.ux[:rays], sight.uy[:rays]
-        c, s = bodies[own].cos, bodies[own].sin
-        ahead, left = place.ray_x[grid], place.ray_y[grid]
-        for i in range(len(ux)):
-            ux[i] = ahead[i] * c - left[i] * s
-            uy[i] = ahead[i] * s + left[i] * c
+        turn_rays(place.ray_x[grid], place.ray_y[grid], bodies[own].cos, bodies[own].sin, ux, uy)
         inside = abs(robot.x_m) <= place.limit_m[0] and abs(robot.y_m) <= place.limit_m[1]
         seen[viewer].overlap = nearest_edges(
             own, robot.heading_rad, bodies, count,
             place.segments_m, place.segment_kinds, len(place.segments_m) if inside else place.solid,
-            place.r_min_m[robot.team], ux, uy, sight.distances_m[viewer, :rays], sight.kinds[viewer, :rays],
+            place.r_min_m[robot.team], ux, uy, distances, kinds,
         )  # fmt: skip
         seen[viewer].ball_share = 0.0
         if world[0].counts[1] > 0:
@@ -136,8 +135,8 @@ class Eyes:
         self.sight = Sight(
             rays=np.full(VIEWERS, GRIDS[0]),
             seen=np.zeros(VIEWERS, dtype=SEEN),
-            distances_m=np.empty((VIEWERS, MOST_RAYS)),
-            kinds=np.empty((VIEWERS, MOST_RAYS), dtype=np.uint8),
+            distances_m=np.empty(VIEWERS * MOST_RAYS),
+            kinds=np.empty(VIEWERS * MOST_RAYS, dtype=np.uint8),
             bodies=np.zeros(MOST_BODIES, dtype=BODY),
             ux=np.empty(MOST_RAYS),
             uy=np.empty(MOST_RAYS),
@@ -154,18 +153,18 @@ class Eyes:
         if not 1 <= number <= MOST_NUMBERS:
             return None
         viewer = viewer_of(team, number)
-        body, overlap, share, ball_m, ball_deg, size_deg = self.sight.seen[viewer].tolist()
+        body, overlap, start, share, ball_m, ball_deg, size_deg = self.sight.seen[viewer].tolist()
         if body < 0:
             return None
-        rays = int(self.sight.rays[viewer])
+        rays = slice(start, start + int(self.sight.rays[viewer]))
         row = world.whole[0]
         return RobotView(
             team=team,
             number=number,
             at=row["at"].item(),
             frame_number=row["frame_number"].item(),
-            distances_m=frozen(self.sight.distances_m[viewer, :rays].copy()),
-            kinds=frozen(self.sight.kinds[viewer, :rays].copy()),
+            distances_m=frozen(self.sight.distances_m[rays].copy()),
+            kinds=frozen(self.sight.kinds[rays].copy()),
             ball=BallView(ball_m, ball_deg, size_deg, share < 1.0) if share > 0.0 else None,
             overlap=bool(overlap),
         )

@@ -78,6 +78,15 @@ def nearest_edges(
 
 
 @kernel
+def turn_rays(ray_x: Floats, ray_y: Floats, cos: float, sin: float, ux: Floats, uy: Floats) -> None:
+    """Unit vectors from the heading to the field; ux, uy are filled."""
+    for i in range(len(ux)):
+        ux[i] = ray_x[i] * cos - ray_y[i] * sin
+    for i in range(len(uy)):
+        uy[i] = ray_x[i] * sin + ray_y[i] * cos
+
+
+@kernel
 def splat_circle(
     x: float, y: float, radius: float, kind: int,
     heading_rad: float, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
