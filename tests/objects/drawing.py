@@ -31,6 +31,7 @@ PAINTS: dict[str, Color] = {
     "cyan": (225, 210, 40),
     "purple": (120, 30, 80),
     "magenta": (200, 40, 235),
+    "pale": (190, 200, 195),
 }
 
 SETTINGS: Settings = load_settings()
@@ -84,6 +85,7 @@ class Picture:
     height: int
     pixels: Floats = field(init=False)
     _samples: Floats = field(init=False)
+    _places: dict[float, Floats] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.pixels = np.full((self.height, self.width, 3), PAINTS["carpet"], dtype=np.float64)
@@ -93,16 +95,22 @@ class Picture:
         )
         self._samples = np.column_stack([(x + u).ravel(), (y + v).ravel()])
 
+    def _at(self, height_m: float) -> Floats:
+        """Where the samples' rays cross the plane of a height, shape (n, 2) [m]."""
+        if height_m not in self._places:
+            self._places[height_m] = self.camera.field_from_pixel(self._samples, height_m)
+        return self._places[height_m]
+
     def paint_disc(self, paint: str, x_m: float, y_m: float, radius_m: float, height_m: float) -> None:
         """A disc in the plane of a height, its rim blended by what it covers of a pixel."""
-        places = self.camera.field_from_pixel(self._samples, height_m)
+        places = self._at(height_m)
         covered = np.hypot(places[:, 0] - x_m, places[:, 1] - y_m) <= radius_m
         share = covered.reshape(self.height, self.width, -1).mean(axis=2)[..., None]
         self.pixels += share * (np.array(PAINTS[paint]) - self.pixels)
 
     def paint_polygon(self, paint: str, corners_m: Floats, height_m: float) -> None:
         """A polygon, shape (n, 2), in the plane of a height."""
-        places = self.camera.field_from_pixel(self._samples, height_m)
+        places = self._at(height_m)
         covered = np.zeros(len(places), dtype=np.bool_)
         for (x1, y1), (x2, y2) in zip(corners_m, np.roll(corners_m, -1, axis=0), strict=True):
             if y1 != y2:

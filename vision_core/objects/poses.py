@@ -50,7 +50,7 @@ def refine_pose(
     enough = marker.enough_shaped if row[SHAPED] > 0 else marker.enough
     told = not ambiguous and (row[MATCHED] >= enough if row[MATCHED] > 0 else row[SHAPED] == 2)
     robot.team, robot.confidence = marker.team, row[SCORE]
-    robot.id = _read(blobs, marker, row, told)
+    robot.id = code_of(blobs, marker, row) if told or marker.places.sum() == 0 else NO_ID
     centers = memory.centers
     if not told:
         offset = math.hypot(marker.anchor_m[0], marker.anchor_m[1])
@@ -85,13 +85,13 @@ def _refine_centers(
 
 
 @kernel
-def _read(blobs: Table, marker: Marker, row: Floats, told: bool) -> int:
-    """The id whose code the slots show."""
+def code_of(blobs: Table, marker: Marker, row: Floats) -> int:
+    """The id whose code a hypothesis shows, NO_ID for none."""
     code = 0
     for slot in range(len(marker.slots_m)):
         if marker.places[slot] > 0:
             blob = int(row[FIRST_SLOT + slot])
-            if blob < 0 or not told:
+            if blob < 0:
                 return NO_ID
             code += marker.places[slot] * marker.digits[slot, blobs[blob].color]
     for number in range(len(marker.codes)):

@@ -58,15 +58,17 @@ def find_robots(
     ColorTable, shape (65536,); robots: ROBOT table with room for MOST_ROBOTS. (x_m, y_m) is the robot's center.
     """
     markers, gates, memory = finder.markers, finder.gates, finder.memory
-    listed = place_blobs(blobs, count, camera, markers[0], gates, memory)
-    rows = propose(blobs, listed, pixels, classes, camera, markers[0], gates, memory, 0)
-    listed = place_blobs(blobs, count, camera, markers[1], gates, memory)
-    rows = propose(blobs, listed, pixels, classes, camera, markers[1], gates, memory, rows)
+    rows = 0
+    for marker in markers:
+        listed = place_blobs(blobs, count, camera, marker, gates, memory)
+        rows = propose(blobs, listed, pixels, classes, camera, marker, gates, memory, rows)
     won = compete(rows, memory)
     for winner in range(won):
         row = memory.rows[memory.winners[winner]]
-        marker = markers[0] if row[TEAM] == 0 else markers[1]
-        refine_pose(blobs, pixels, camera, marker, gates, memory, row, memory.ambiguous[winner], memory.found[winner])
+        refine_pose(
+            blobs, pixels, camera, markers[int(row[TEAM])], gates, memory, row, memory.ambiguous[winner],
+            memory.found[winner],
+        )  # fmt: skip
     _order(memory.found, won, robots)
     return won
 
