@@ -26,13 +26,13 @@ def _visit(visited: np.ndarray, y: int, start: int, end: int) -> None:
     """Set the bits of a run, END exclusive."""
     every = ~np.uint64(0)
     first, last = start >> 6, (end - 1) >> 6
-    for word in range(first, last + 1):
-        bits = every
-        if word == first:
-            bits &= every << np.uint64(start & 63)
-        if word == last:
-            bits &= every >> np.uint64(63 - ((end - 1) & 63))
-        visited[y, word] |= bits
+    front, back = every << np.uint64(start & 63), every >> np.uint64(63 - ((end - 1) & 63))
+    if first == last:
+        visited[y, first] |= front & back
+        return
+    visited[y, first] |= front
+    visited[y, first + 1 : last] = every
+    visited[y, last] |= back
 
 
 @kernel
@@ -64,12 +64,12 @@ def flood(
             return BROKE_OFF
         known = int(stack[top, FROM_ROW])
         known_start, known_end = int(stack[top, FROM_START]), int(stack[top, FROM_END])
-        for beside in (row - 1, row + 1):
+        for beside in range(row - 1, row + 2, 2):
             if beside < 0 or beside >= height:
                 continue
             here, stop = max(start - 1, 0), min(end + 1, width)
             while here < stop:
-                if beside == known and known_start <= here <= known_end:
+                if beside == known and known_start - 1 <= here <= known_end:
                     here = known_end + 1
                     continue
                 if class_at(flat, beside * width + here, classes) != color or is_visited(visited, beside, here):
