@@ -116,7 +116,7 @@ def test_all_robots_of_a_full_field(name: str) -> None:
     batch = messages.write(table, clients)
     for line, client in enumerate(clients):
         assert bytes(batch.datagram(line)) == law(table, client, messages)
-    snapshot = messages.snapshot()
+    snapshot = messages.views.record()
     assert [(view.team, view.number) for view in snapshot.views] == [(c.init.team, c.init.number) for c in clients]
 
 
@@ -178,7 +178,7 @@ def test_what_blue_1_sees() -> None:
 def test_the_page_gets_the_field_s_pixels_whatever_clients_ask_for(asked: Options) -> None:
     table = WorldTable.of(random_world(np.random.default_rng(5), fields()["walls"]))
     MESSAGES.write(table, [blue_1(asked)])
-    snapshot = MESSAGES.snapshot()
+    snapshot = MESSAGES.views.record()
     assert (snapshot.frame_number, snapshot.at) == (7, AT)
     page = {(view.team, view.number): view for view in snapshot.views}
     MESSAGES.eyes.sight.rays[:] = 360

@@ -18,28 +18,15 @@ from vision_core.net.batch import Batch
 from vision_core.protocol.letters import LetterTable, letters_by_kind
 from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
-from vision_core.rtdb.records import Views, ViewSnapshot
 from vision_core.settings import Settings
 from vision_core.settings_models import mirror_from
 from vision_core.tasks.see_text import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
 from vision_core.types.objects import Team
-from vision_core.types.tables import TEAMS, Table, WorldTable
+from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, Table, ViewsTable, WorldTable
 from vision_core.views.bodies import Integers
-from vision_core.views.eyes import GRIDS, MOST_NUMBERS, MOST_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
+from vision_core.views.eyes import MOST_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
 
-DIRECTIONS = GRIDS[0]
-"""Of the page's views: every whole degree."""
 TYPES = ("same", "team", "number")
-
-VIEW = np.dtype(
-    [
-        ("team", np.int32), ("number", np.int32), ("overlap", np.int32), ("partial", np.int32),
-        ("ball_px", np.int32), ("ball_direction_deg", np.int32), ("ball_size_deg", np.int32),
-        ("px", np.uint8, (DIRECTIONS,)), ("kinds", np.uint8, (DIRECTIONS,)),
-    ]
-)  # fmt: skip
-"""A ``ViewSnapshot``."""
-VIEWS = np.dtype([("frame_number", np.int64), ("at", np.int64), ("count", np.int64), ("views", VIEW, (VIEWERS,))])
 
 
 class Client(Protocol):
@@ -120,8 +107,8 @@ class Messages:
         self._letters = np.array([letters_by_kind(self.letters, types) for types in TYPES])
         self._page: Table = np.zeros(1, dtype=REQUEST)
         self._page[0] = self.request(Team.BLUE, 1, PAPER_OPTIONS, nul=False)
-        self.views: Table = np.zeros(1, dtype=VIEWS)
-        """What the page shows of the last world: VIEWS, shape (1,)."""
+        self.views = ViewsTable()
+        """What the page shows of the last world."""
         self._page_px = np.zeros((VIEWERS, DIRECTIONS), dtype=np.uint8)
         self._prepare(())
 
@@ -137,16 +124,10 @@ class Messages:
         if len(due) != len(clients):
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
         write_messages(
-            world.whole, self._boot, self.eyes.place, self.eyes.sight, self._page, self.views,
+            world.whole, self._boot, self.eyes.place, self.eyes.sight, self._page, self.views.whole,
             self._requests, due, self.ink, self._batch.starts, self._batch.lengths,
         )  # fmt: skip
         return self._batch
-
-    def snapshot(self) -> Views:
-        """The views for the page of the last world."""
-        row = self.views[0]
-        views = row["views"][: row["count"]]
-        return Views(row["frame_number"].item(), row["at"].item(), tuple(_snapshot(*view) for view in views.tolist()))
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
         """A client's row for ``write_messages``. Raises ValueError when a view cannot have its directions."""
@@ -186,20 +167,3 @@ class Messages:
 def _constants(mirror: Mirror) -> tuple[float, float, float, float]:
     """A, B, C of equation 1, and D as ``Mirror.px_from_mm`` computes it."""
     return mirror.a, mirror.b, mirror.c, mirror.a**2 - mirror.b**2 * mirror.c
-
-
-def _snapshot(
-    team: int, number: int, overlap: int, partial: int, ball_px: int, direction_deg: int, size_deg: int,
-    px: Bytes, kinds: Bytes,
-) -> ViewSnapshot:  # fmt: skip
-    return ViewSnapshot(
-        team=TEAMS[team],
-        number=number,
-        px=bytes(px),
-        kinds=bytes(kinds),
-        ball_px=ball_px,
-        ball_direction_deg=direction_deg,
-        ball_size_deg=size_deg,
-        partial=bool(partial),
-        overlap=bool(overlap),
-    )

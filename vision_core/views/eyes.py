@@ -12,17 +12,15 @@ from vision_core.settings import Settings
 from vision_core.settings_models import robots_of
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
-from vision_core.types.tables import TEAM_NUMBER, TEAMS, Table, WorldTable
+from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, TEAM_NUMBER, TEAMS, Table, WorldTable
 from vision_core.types.views import BallView, RobotView
 from vision_core.views.ball import share_in_view
 from vision_core.views.bodies import BODY, MOST_BODIES, Integers, Row, lay_out
 from vision_core.views.splat import nearest_edges, turn_rays
 
-MOST_NUMBERS = 16
-"""Robots of a team that have a number, and so a view."""
 VIEWERS = len(TEAMS) * MOST_NUMBERS
 """A viewer's place in the tables: 16 * its team's number + its own number - 1."""
-GRIDS = (360, 720, 1440)
+GRIDS = (DIRECTIONS, 2 * DIRECTIONS, 4 * DIRECTIONS)
 """So many rays a view can have, evenly spaced; ray 0 is straight ahead."""
 MOST_RAYS = GRIDS[-1]
 FIRST_KIND = {Team.BLUE: EdgeKind.ROBOT_BLUE, Team.YELLOW: EdgeKind.ROBOT_YELLOW}
