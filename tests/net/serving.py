@@ -6,12 +6,13 @@ import select
 import socket
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from tests.protocol.samples import LETTERS, SUBNETS, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.mirror_model import PAPER_MIRROR
 from vision_core.net.batch import Batch
-from vision_core.net.server import FrameReport, UdpServer
+from vision_core.net.server import Delivery, UdpServer
 from vision_core.net.udp import open_server_sockets
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.lifecycle import Session
@@ -24,11 +25,18 @@ PERIOD_S = 0.01
 BALL = BallView(distance_m=0.379, direction_deg=121.2, size_deg=6.45, partial=False)
 
 
-class Stadium:
-    """A server that sends every client walls at 220 mm and a ball: as one batch, or by the way before."""
+@dataclass(frozen=True)
+class Frame:
+    """How one frame was served."""
 
-    def __init__(self, *, batch: bool = True) -> None:
-        self.batch = batch
+    deliveries: tuple[Delivery, ...]
+    events: tuple[Event, ...]
+
+
+class Stadium:
+    """A server that sends every client walls at 220 mm and a ball."""
+
+    def __init__(self) -> None:
         self.clock = MonotonicClock()
         self.rules = self.rules_of(self.clock.now())
         self.main, self.session = open_server_sockets("127.0.0.1", 0, 0)
@@ -65,17 +73,15 @@ class Stadium:
         view = simple_view(at=at, rays=options.rays_per_circle, ball=BALL)
         return see_from_view(view, options, PAPER_MIRROR, LETTERS, self.rules.boot, nul=session.nul)
 
-    def send_frame(self, at: Instant | None = None) -> FrameReport:
+    def send_frame(self, at: Instant | None = None) -> Frame:
         self._grabbed = at or Instant(max(self.clock.now(), self._grabbed + 1_000_000))  # Time has milliseconds
         grabbed = self._grabbed
-        if not self.batch:
-            return self.server.send_views(grabbed, lambda session: self.see(session, grabbed))
         sessions, due = self.server.due(grabbed)
         views = [self.see(session, grabbed) if due[row] else None for row, session in enumerate(sessions)]
         served = self.server.send_batch(grabbed, Batch.of([data or b"" for data in views]))
         deliveries = tuple(self.server.deliveries())
         assert (served.sessions, served.last) == (len(deliveries), deliveries[-1].sent if deliveries else None)
-        return FrameReport(deliveries, served.events)
+        return Frame(deliveries, served.events)
 
     def run(self, stop: threading.Event) -> None:
         while not stop.is_set():

@@ -18,9 +18,9 @@ from vision_core.protocol.session import Reply, SessionClosed, SessionMoved, Ses
 EDGES = b"w2c" * 360
 
 
-@pytest.fixture(params=[True, False], ids=["batch", "views"])
-def stadium(request: pytest.FixtureRequest) -> Iterator[Stadium]:
-    opened = Stadium(batch=request.param)
+@pytest.fixture
+def stadium() -> Iterator[Stadium]:
+    opened = Stadium()
     yield opened
     opened.close()
 

@@ -12,7 +12,7 @@ import random
 import select
 import socket
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,16 +48,6 @@ class Delivery:
     """Place in the random order, 0 first."""
     sent: Instant
     outcome: Outcome
-
-
-@dataclass(frozen=True, slots=True)
-class FrameReport:
-    """How one frame was served."""
-
-    deliveries: tuple[Delivery, ...]
-    """In the order of sending."""
-    events: tuple[Event, ...]
-    """What the sending led to: sessions that ended or moved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,30 +211,6 @@ class UdpServer:
             )
             for row in served
         ]
-
-    def send_views(self, at: Instant, datagram_for: Callable[[Session], bytes | None]) -> FrameReport:
-        """Send a frame's views in random order to the sessions that want one.
-
-        at: grab of the frame; datagram_for: a session's ``see``, or None when its robot is not known.
-        """
-        self._catch_up()
-        self._changed = True
-        ready = [
-            (session, line, data)
-            for session, line in self._lines.items()
-            if session.wants(at) and (data := datagram_for(session)) is not None
-        ]
-        self._order.shuffle(ready)
-        now = self._clock.now
-        stamped = [(line.socket.send(data), now()) for _, line, data in ready]  # nothing else between two sends
-        deliveries, events = [], []
-        for rank, ((session, line, _), (outcome, sent)) in enumerate(zip(ready, stamped, strict=True)):
-            session.note_served(at)
-            line.tally.count(outcome, rank, len(ready))
-            deliveries.append(Delivery(session, rank, sent, outcome))
-            if outcome is Outcome.REFUSED:
-                events += self._carry_out(self.sessions.refused(session, sent))
-        return FrameReport(tuple(deliveries), tuple(events))
 
     def _receive_from(self, source: SharedSocket | Session) -> list[Event] | None:
         """What the next datagram of a socket leads to; None when there is none."""

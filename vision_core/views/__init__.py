@@ -4,19 +4,15 @@ After section 3.3 of the PSLV paper: in each direction the nearest edge on the f
 no edge. Theory of operation, files from the outside in:
 
 ``eyes``
-    :class:`~vision_core.views.eyes.Eyes`: a world's table in, the views of all its robots out, in one compiled call.
+    :class:`~vision_core.views.eyes.Eyes`: a world in, what every robot sees out, in one compiled call.
 ``bodies``
-    outlines of robots and obstacles: circles, and squares turned by their heading.
+    everything of a world that stands in the way, laid out once for all robots.
 ``splat``
-    the nearest edge of every ray, by angular splat.
-``observe``
-    :class:`~vision_core.views.observe.Observer`: a world and a robot in, a view out; robots are circles.
-``edges``
-    the nearest edge of every ray.
+    the nearest edge of every ray: walls for all rays, then each body for the rays that it can meet.
 ``ball``
     how much of the ball is visible, by interval arithmetic on angles.
 ``rays``
-    where a ray meets a circle or a segment.
+    where a ray meets a segment.
 ``panorama``
     draws what arrived on the wire as the on-board picture of the paper's figure 6. It works on the client's side:
     NumPy alone, which is why this module imports nothing.
@@ -24,9 +20,9 @@ no edge. Theory of operation, files from the outside in:
 Rules:
 
 - A view describes the world's instant. Nothing is extrapolated to the sending.
-- A robot is a circle or a square, as its team's outline says; an obstacle is a circle. The own body is no edge.
+- Robots are circles or squares, as their team's settings say; obstacles are circles. The own body is no edge.
   Distances are those of the floor, from the own center.
-- Robots, obstacles, walls and goals hide what is behind them. A virtual limit (a line, the end of the carpet) is an
-  edge of type wall for who stands inside; it hides nothing, and who stands outside does not see it.
+- Robots, walls and goals hide what is behind them. A virtual limit (a line, the end of the carpet) is an edge of type
+  wall for who stands inside; it hides nothing, and who stands outside does not see it.
 - Everything is computed in field space; only the rays' angles are turned by the heading.
 """

@@ -15,8 +15,6 @@ What the union of these intervals leaves of the ball's interval is visible.
 
 import math
 
-import numpy as np
-
 from vision_core.geometry import Floats
 from vision_core.kernels import kernel
 from vision_core.types.tables import Table
@@ -69,47 +67,6 @@ def segment_shadow(x1: float, y1: float, x2: float, y2: float, within: float) ->
     first = math.atan2(y1 + start * ey, x1 + start * ex)
     opening = _turn(math.atan2(y1 + end * ey, x1 + end * ex) - first)
     return first + opening / 2.0, abs(opening) / 2.0
-
-
-@kernel
-def visible_share(
-    x_m: float,
-    y_m: float,
-    ball_x_m: float,
-    ball_y_m: float,
-    ball_radius_m: float,
-    walls_m: Floats,
-    circles_m: Floats,
-    radius_m: float,
-) -> float:
-    """Share 0..1 of the ball's azimuth that is visible from (x_m, y_m); exactly 1 when nothing hides any of it.
-
-    walls_m: solid segments x1 y1 x2 y2, shape (s, 4); circles_m: other robots' centers, shape (c, 2), of radius_m.
-    A ball that we stand on is visible: nothing is nearer.
-    """
-    bx, by = ball_x_m - x_m, ball_y_m - y_m
-    within = math.hypot(bx, by)
-    if within <= ball_radius_m:
-        return 1.0
-    azimuth, alpha = math.atan2(by, bx), math.asin(ball_radius_m / within)
-    lows, highs = np.empty(len(walls_m) + len(circles_m)), np.empty(len(walls_m) + len(circles_m))
-    count = 0
-    for k in range(len(lows)):
-        if k < len(walls_m):
-            direction, half = segment_shadow(
-                walls_m[k, 0] - x_m, walls_m[k, 1] - y_m, walls_m[k, 2] - x_m, walls_m[k, 3] - y_m, within
-            )
-        else:
-            c = k - len(walls_m)
-            direction, half = circle_shadow(circles_m[c, 0] - x_m, circles_m[c, 1] - y_m, radius_m, within)
-        offset = 0.0 if half >= math.pi else _turn(direction - azimuth)
-        if half > 0.0 and offset - half < alpha and offset + half > -alpha:
-            lows[count], highs[count] = max(offset - half, -alpha), min(offset + half, alpha)
-            count += 1
-    visible = _uncovered(lows[:count], highs[:count], -alpha, alpha)
-    if visible >= 2.0 * alpha - SLIVER_RAD:
-        return 1.0
-    return visible / (2.0 * alpha) if visible > SLIVER_RAD else 0.0
 
 
 @kernel

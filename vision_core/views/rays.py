@@ -1,4 +1,4 @@
-"""Where a ray from the origin meets things. Distances [m] along the ray, inf for a miss."""
+"""Where a ray from the origin meets a segment. Distances [m] along the ray, inf for a miss."""
 
 import math
 
@@ -8,17 +8,6 @@ CORNER = 1e-9
 """Segments are longer by this share at either end: no ray slips through a corner that two of them share."""
 PARALLEL = 1e-12
 """Sine of the angle below which a ray runs along a segment."""
-
-
-@kernel
-def circle_reach(ux: float, uy: float, x: float, y: float, radius: float) -> float:
-    """To a circle around (x, y) that does not hold the origin; (ux, uy) is the ray's unit vector."""
-    along = x * ux + y * uy
-    aside = x * uy - y * ux
-    depth = radius * radius - aside * aside
-    if along <= 0.0 or depth < 0.0:
-        return math.inf
-    return max(along - math.sqrt(depth), 0.0)
 
 
 @kernel
