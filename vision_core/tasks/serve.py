@@ -174,7 +174,7 @@ class Server:
 
     def _keep_sessions(self) -> None:
         now = self._clock.now()
-        self._sessions.write(self._udp.sessions.snapshot(), now, now)
+        self._sessions.write(self._udp.snapshot(), now, now)
 
     def _restored(self, settings: Settings) -> Sessions:
         """The sessions of a predecessor that died, or none."""
