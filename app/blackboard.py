@@ -1,6 +1,7 @@
 """Everything the web part knows: the records of the real-time database, read together at one instant."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -122,5 +123,6 @@ class Blackboard:
     @property
     def sequences(self) -> tuple[int, ...]:
         """Changes whenever a record was written."""
-        seen = (self._sightings, self._obstacles, self._diagnosis, self._world, self._views)
-        return tuple(reader.sequence for reader in (self._processes, *seen, self._serving, *self._tasks.values()))
+        eyes = (self._sightings, self._obstacles, self._diagnosis, self._world, self._views)
+        readers: tuple[ItemReader[Any], ...] = (self._processes, *eyes, self._serving, *self._tasks.values())
+        return tuple(reader.sequence for reader in readers)

@@ -2,23 +2,24 @@
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
 from app.reports import Report
 from vision_core.camera_model import CameraModel
 from vision_core.field_model import field_lines, field_segments, painted_points
-from vision_core.geometry import Floats
+from vision_core.geometry import Floats, rotation
 from vision_core.mirror_model import LARGEST_PX
 from vision_core.rtdb.records import ServiceInfo
 from vision_core.settings import Settings
-from vision_core.settings_models import camera_model_from, mirror_from
+from vision_core.settings_models import camera_model_from, mirror_from, robots_of
 from vision_core.types.field import EdgeKind
-from vision_core.types.objects import RobotSighting
+from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
 
 MM_PER_M = 1000.0
 STEPS = 24
-"""Pieces of a line or circle in the picture, where lenses bend them."""
+"""Pieces of a line or outline in the picture, where lenses bend them; a multiple of 8, for a square's corners."""
 
 Points = list[tuple[float, float]]
 
@@ -46,6 +47,15 @@ class FieldArc(Report):
     end_rad: float
 
 
+class RobotBody(Report):
+    """The outline of a team's robots."""
+
+    outline: Literal["circle", "square"]
+    """A square is turned by the heading; where that is not known, the circle in it is meant."""
+    radius_m: float
+    """Of the circle, or half the side of the square."""
+
+
 class Field(Report):
     """Everything about the field that stays the same while the service runs.
 
@@ -60,7 +70,8 @@ class Field(Report):
     lines: list[tuple[float, float, float, float]]
     """Painted lines: x1, y1, x2, y2 of their middles [m]."""
     arcs: list[FieldArc]
-    robot_radius_m: float
+    robots: dict[str, RobotBody]
+    """By team."""
     ball_radius_m: float
     numbers: int
     """Robots per team that may connect."""
@@ -93,7 +104,7 @@ def field_from(service: ServiceInfo) -> Field:
         arcs=[
             FieldArc(x_m=a.x_m, y_m=a.y_m, radius_m=a.radius_m, start_rad=a.start_rad, end_rad=a.end_rad) for a in arcs
         ],
-        robot_radius_m=settings.robots.radius_m,
+        robots={team.value: _body(settings, team) for team in Team},
         ball_radius_m=settings.ball.radius_m,
         numbers=settings.match.numbers,
         marker_ids={"blue": list(settings.match.blue_ids), "yellow": list(settings.match.yellow_ids)},
@@ -104,28 +115,45 @@ def field_from(service: ServiceInfo) -> Field:
 
 
 class Outlines:
-    """Draws robots into the picture: the circle of their radius at the height of their markers."""
+    """Draws into the picture: robots' bodies at the height of their markers, obstacles' circles on the floor."""
 
     def __init__(self, settings: Settings) -> None:
         self._camera = camera_model_from(settings)
-        self._robots = settings.robots
-        self._angles: Floats = np.linspace(0.0, math.tau, STEPS, endpoint=False)
+        self._robots = {team: robots_of(settings.robots, team) for team in Team}
+        angles: Floats = np.linspace(0.0, math.tau, STEPS, endpoint=False)
+        circle: Floats = np.column_stack([np.cos(angles), np.sin(angles)])
+        self._unit = {"circle": circle, "square": circle / np.abs(circle).max(axis=1, keepdims=True)}
 
-    def of(self, robots: Sequence[RobotSighting]) -> list[Points]:
+    def of_robots(self, robots: Sequence[RobotSighting]) -> list[Points]:
         """Per robot STEPS points [px], the first one where its heading points to."""
-        if not robots:
+        return self._seen([self._body(robot) for robot in robots], [self._robots[r.team].height_m for r in robots])
+
+    def of_obstacles(self, obstacles: Sequence[ObstacleSighting]) -> list[Points]:
+        """Per obstacle STEPS points [px]."""
+        circle = self._unit["circle"]
+        return self._seen([(o.x_m, o.y_m) + o.radius_m * circle for o in obstacles], [0.0] * len(obstacles))
+
+    def _body(self, robot: RobotSighting) -> Floats:
+        """Points round a robot [m], shape (STEPS, 2)."""
+        body = self._robots[robot.team]
+        unit = self._unit["circle" if robot.heading_rad is None else body.outline]
+        points: Floats = (robot.x_m, robot.y_m) + body.radius_m * unit @ rotation(robot.heading_rad or 0.0).T
+        return points
+
+    def _seen(self, outlines_m: list[Floats], heights_m: list[float]) -> list[Points]:
+        """Outlines at their heights, all in one go."""
+        if not outlines_m:
             return []
-        radius = self._robots.radius_m
-        circles = [_circle(r.x_m, r.y_m, radius, self._angles + (r.heading_rad or 0.0)) for r in robots]
-        points = _in_picture(self._camera, np.concatenate(circles), self._robots.height_m)
+        points = _in_picture(self._camera, np.concatenate(outlines_m), np.repeat(heights_m, STEPS))
         return [points[start : start + STEPS] for start in range(0, len(points), STEPS)]
 
 
-def _circle(x_m: float, y_m: float, radius_m: float, angles_rad: Floats) -> Floats:
-    return np.column_stack([x_m + radius_m * np.cos(angles_rad), y_m + radius_m * np.sin(angles_rad)])
+def _body(settings: Settings, team: Team) -> RobotBody:
+    robots = robots_of(settings.robots, team)
+    return RobotBody(outline=robots.outline, radius_m=robots.radius_m)
 
 
-def _in_picture(camera: CameraModel, points_m: Floats, height_m: float = 0.0) -> Points:
+def _in_picture(camera: CameraModel, points_m: Floats, height_m: float | Floats = 0.0) -> Points:
     """Points of the field in the picture, to a tenth of a pixel; nan where no camera sees."""
     return [(x, y) for x, y in np.round(camera.pixel_from_field(points_m, height_m), 1).tolist()]
 

@@ -26,7 +26,7 @@ from app.reports import status_from
 from vision_core.clock import Instant, seconds_between
 from vision_core.opencv import encode_jpeg, shrink
 from vision_core.rtdb.records import Timed
-from vision_core.types.objects import Sightings
+from vision_core.types.objects import Obstacles, Sightings
 from vision_core.types.tracks import World
 from vision_core.types.views import Views
 
@@ -54,6 +54,10 @@ class State:
     sightings: Timed[Sightings] | None
     outlines_px: list[Points]
     """In the picture, in the order of the sightings' robots; the first point is where the heading points to."""
+    obstacles: Timed[Obstacles] | None
+    """As seen in one picture; looked for less often than robots."""
+    obstacle_outlines_px: list[Points]
+    """In the picture, in the order of ``obstacles``."""
     world: Timed[World] | None
     views: Timed[Views] | None
 
@@ -175,13 +179,15 @@ class Live:
 
     def _encoded_state(self) -> str:
         readings = self._blackboard.read()
-        sightings = readings.sightings
+        sightings, obstacles = readings.sightings, readings.obstacles
         state = State(
             now_s=seconds_between(readings.service.boot, readings.now),
             pages=len(self._pages),
             status=status_from(readings).model_dump(),
             sightings=sightings,
-            outlines_px=self._outlines.of(sightings.value.robots) if sightings else [],
+            outlines_px=self._outlines.of_robots(sightings.value.robots) if sightings else [],
+            obstacles=obstacles,
+            obstacle_outlines_px=self._outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
             world=readings.world,
             views=readings.views,
         )

@@ -8,6 +8,8 @@ from app.blackboard import Readings
 from vision_core.rtdb.records import ProcessInfo
 
 COMPILER = "compile"
+EXPLAINERS = ("diagnose",)
+"""Processes that only explain what is seen: robots are served as well without them."""
 LEAST_PATIENCE_S = 0.25
 PATIENCE_PERIODS = 3.0
 """An image is old when this many have failed to come, and never before LEAST_PATIENCE_S."""
@@ -23,7 +25,8 @@ def reasons_not_ready(readings: Readings) -> tuple[str, ...]:
     for process in processes:
         if process.name == COMPILER and process.state != "done":
             return (_compiling(process),)
-    broken = tuple(_broken(process) for process in processes if process.state not in ("running", "done"))
+    needed = (process for process in processes if process.name not in EXPLAINERS)
+    broken = tuple(_broken(process) for process in needed if process.state not in ("running", "done"))
     return broken or _silence(readings)
 
 

@@ -1,7 +1,7 @@
 // The page: one connection in, everything drawn from its newest turn.
 
-import { robotLabel, setText } from "./drawing.js";
-import { drawField, robotAt } from "./field.js";
+import { counted, robotLabel, setText } from "./drawing.js";
+import { drawField, obstacleAt, robotAt } from "./field.js";
 import { connect } from "./live.js";
 import { drawPicture } from "./picture.js";
 import { describeTile, drawTile, makeTiles } from "./polar.js";
@@ -21,24 +21,28 @@ let received = 0; // when the newest turn came [s of this page's clock]
 let ahead = -Infinity; // the service's clock minus this page's [s]; a late message can only make it too small
 let linked = false;
 let chosen = null; // {team, number}
-let unnamed = ""; // what to say about a robot that was clicked and cannot be chosen
+let unnamed = ""; // what to say about a thing that was clicked and cannot be chosen
 
 connect(onTurn, onLink);
 setInterval(showAges, 100);
 setInterval(showTables, TABLES_EVERY_MS);
 setInterval(describe, DESCRIBE_EVERY_MS);
-for (const id of ["show-robots", "show-ball", "show-lines"]) $(id).addEventListener("change", draw);
+for (const id of ["show-robots", "show-ball", "show-obstacles", "show-lines"]) $(id).addEventListener("change", draw);
 new ResizeObserver(draw).observe($("field"));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-$("field").addEventListener("click", ({ offsetX, offsetY }) => clickField(robotUnder(offsetX, offsetY)));
+$("field").addEventListener("click", ({ offsetX, offsetY }) => clickField(robotUnder(offsetX, offsetY), obstacleUnder(offsetX, offsetY)));
 $("field").addEventListener("mousemove", ({ offsetX, offsetY }) => {
-  $("field").style.cursor = robotUnder(offsetX, offsetY) ? "pointer" : "";
+  const robot = robotUnder(offsetX, offsetY);
+  const obstacle = obstacleUnder(offsetX, offsetY);
+  $("field").style.cursor = robot ? "pointer" : obstacle ? "help" : "";
+  $("field").title = robot ? robotLabel(field, robot.team, robot.id) : obstacle ? obstacleWords(obstacle) : "";
 });
 addEventListener("keydown", ({ key }) => {
   if (key === "Escape") choose(null);
 });
 
 const robotUnder = (x, y) => (field && state ? robotAt($("field"), field, state, x, y) : null);
+const obstacleUnder = (x, y) => (field && state ? obstacleAt($("field"), field, state, x, y) : null);
 const seconds = () => performance.now() / 1000;
 
 function onTurn(newState, newPicture) {
@@ -79,11 +83,15 @@ async function loadField() {
   }
 }
 
-function clickField(robot) {
-  if (!robot) return choose(null);
-  if (robot.number) return toggle(robot);
-  unnamed = `${robotLabel(field, robot.team, robot.id)}: its number is not read, so nobody gets its view`;
+function clickField(robot, obstacle) {
+  if (!robot && !obstacle) return choose(null);
+  if (robot?.number) return toggle(robot);
+  unnamed = !robot ? obstacleWords(obstacle) : `${robotLabel(field, robot.team, robot.id)}: its number is not read, so nobody gets its view`;
   caption();
+}
+
+function obstacleWords({ radius_m, x_m, y_m }) {
+  return `?: no known robot and no ball, ${Math.round(200 * radius_m)} cm wide, at ${x_m.toFixed(2)} m, ${y_m.toFixed(2)} m`;
 }
 
 function toggle(robot) {
@@ -109,7 +117,7 @@ function caption() {
 function draw() {
   if (!field || !state) return;
   const camera = state.status.cameras[0];
-  const show = { robots: $("show-robots").checked, ball: $("show-ball").checked, lines: $("show-lines").checked };
+  const show = Object.fromEntries(["robots", "ball", "obstacles", "lines"].map((part) => [part, $(`show-${part}`).checked]));
   if (picture) drawPicture($("picture"), picture.bitmap, field, camera, state, show, chosen);
   drawField($("field"), field, state, chosen);
   for (const entry of tiles) drawTile(entry, field, viewOf(entry), clientOf(entry), isChosen(entry));
@@ -153,7 +161,8 @@ function describe() {
   if (!state || !field) return;
   const world = state.world?.valid ? state.world.value : null;
   const ball = world?.ball ? `, ball at ${world.ball.x_m.toFixed(2)} m, ${world.ball.y_m.toFixed(2)} m` : ", no ball";
-  $("field").setAttribute("aria-label", world ? `The field from above: ${world.robots.length} robots${ball}` : "The field from above: nothing known");
+  const things = world?.obstacles.length ? `, ${counted(world.obstacles.length, "obstacle")}` : "";
+  $("field").setAttribute("aria-label", world ? `The field from above: ${counted(world.robots.length, "robot")}${ball}${things}` : "The field from above: nothing known");
   $("picture").setAttribute("aria-label", picture ? `The camera's picture ${picture.number}` : "No picture yet");
   for (const entry of tiles) describeTile(entry, viewOf(entry));
 }

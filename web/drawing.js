@@ -58,6 +58,11 @@ export function edgeLook(kinds, code) {
   return { color: color("wall"), label: "", width: 1.6 };
 }
 
+/** 1 robot, 2 robots. */
+export function counted(number, thing) {
+  return `${number} ${thing}${number === 1 ? "" : "s"}`;
+}
+
 /** Text that is set only when it differs, so that nothing flickers and selections stay. */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;

@@ -8,6 +8,9 @@ const RAY_EVERY_DEG = 10;
 const SMALLEST_LABELLED_PX = 11;
 const HEADING_KNOWN_RAD = 1; // a standard deviation above it is that of a heading never read
 const THINNEST_BAND_PX = 2.5;
+const SMALLEST_BODY_PX = 4;
+const SMALLEST_TARGET_PX = 14;
+const BAR = { ahead: 0.8, half: 0.6, wide: 0.2 }; // of a square's half side: the mark at its front
 
 /** Where the world is on a canvas: {scale, at(x, y)}. */
 export function mapping(field, width, height) {
@@ -31,6 +34,7 @@ export function drawField(canvas, field, state, chosen) {
   drawPaint(pen, map, field);
   drawSegments(pen, map, field);
   if (seen) drawSeenEdges(pen, map, field, seen);
+  for (const obstacle of world?.obstacles ?? []) drawObstacle(pen, map, obstacle);
   for (const robot of world?.robots ?? []) drawRobot(pen, map, field, robot, robot === own, world.at);
   if (world?.ball) drawBall(pen, map, field, world.ball);
 }
@@ -38,13 +42,25 @@ export function drawField(canvas, field, state, chosen) {
 /** The robot under a point of the canvas: {team, id, number}, number 0 for one without; or null. */
 export function robotAt(canvas, field, state, x, y) {
   const map = mapping(field, canvas.clientWidth, canvas.clientHeight);
-  const reach = Math.max(field.robot_radius_m * map.scale, 14);
-  for (const robot of state.world?.value.robots ?? []) {
-    const [rx, ry] = map.at(robot.x_m, robot.y_m);
-    const number = field.marker_ids[robot.team].indexOf(robot.id) + 1;
-    if (Math.hypot(x - rx, y - ry) <= reach) return { team: robot.team, id: robot.id, number };
+  const robot = nearestWithin(map, state.world?.value.robots, (robot) => field.robots[robot.team].radius_m, x, y);
+  return robot && { team: robot.team, id: robot.id, number: field.marker_ids[robot.team].indexOf(robot.id) + 1 };
+}
+
+/** The obstacle under a point of the canvas, as the world has it; or null. */
+export function obstacleAt(canvas, field, state, x, y) {
+  const map = mapping(field, canvas.clientWidth, canvas.clientHeight);
+  return nearestWithin(map, state.world?.value.obstacles, (obstacle) => obstacle.radius_m, x, y);
+}
+
+/** The thing whose center is nearest to a point of the canvas, of those that hold it; or null. */
+function nearestWithin(map, things, radiusOf, x, y) {
+  let [found, nearest] = [null, Infinity];
+  for (const thing of things ?? []) {
+    const [tx, ty] = map.at(thing.x_m, thing.y_m);
+    const away = Math.hypot(x - tx, y - ty);
+    if (away < nearest && away <= Math.max(radiusOf(thing) * map.scale, SMALLEST_TARGET_PX)) [found, nearest] = [thing, away];
   }
-  return null;
+  return found;
 }
 
 /** A view on the floor: per direction the near and the far end of what the edge's pixel of the mirror spans. */
@@ -142,12 +158,17 @@ function drawSegments(pen, map, field) {
 
 function drawRobot(pen, map, field, robot, isChosen, at) {
   const [x, y] = map.at(robot.x_m, robot.y_m);
-  const radius = Math.max(field.robot_radius_m * map.scale, 4);
+  const body = field.robots[robot.team];
+  const radius = Math.max(body.radius_m * map.scale, SMALLEST_BODY_PX);
   const front = -robot.heading_rad;
+  const headed = robot.heading_sd_rad <= HEADING_KNOWN_RAD;
+  const square = headed && body.outline === "square";
   const blue = robot.team === "blue";
   const predicted = robot.seen < at;
+  const on = (ahead, aside) => [x + radius * (ahead * Math.cos(front) - aside * Math.sin(front)), y + radius * (ahead * Math.sin(front) + aside * Math.cos(front))];
   pen.beginPath();
-  if (robot.heading_sd_rad < HEADING_KNOWN_RAD) pen.arc(x, y, radius, front + FRONT_RAD, front - FRONT_RAD);
+  if (square) for (const corner of [[1, 1], [-1, 1], [-1, -1], [1, -1]]) pen.lineTo(...on(...corner));
+  else if (headed) pen.arc(x, y, radius, front + FRONT_RAD, front - FRONT_RAD);
   else pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.closePath();
   pen.globalAlpha = predicted ? 0.6 : 1;
@@ -159,6 +180,14 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
   pen.strokeStyle = isChosen ? "#ffffff" : "#0b120e";
   pen.stroke();
   pen.setLineDash([]);
+  if (square) {
+    pen.beginPath();
+    pen.moveTo(...on(BAR.ahead, -BAR.half));
+    pen.lineTo(...on(BAR.ahead, BAR.half));
+    pen.lineWidth = BAR.wide * radius;
+    pen.strokeStyle = blue ? "#ffffff" : "#2a2000";
+    pen.stroke();
+  }
   pen.textAlign = "center";
   const label = robot.id === null ? "?" : robotLabel(field, robot.team, robot.id);
   if (radius >= SMALLEST_LABELLED_PX) {
@@ -171,6 +200,25 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
     pen.font = "600 10px system-ui, sans-serif";
     outlinedText(pen, label, x, y - radius - 4, blue ? "#a8c8ff" : "#ffe58a");
   }
+}
+
+function drawObstacle(pen, map, obstacle) {
+  const [x, y] = map.at(obstacle.x_m, obstacle.y_m);
+  const radius = Math.max(obstacle.radius_m * map.scale, SMALLEST_BODY_PX);
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  pen.fillStyle = color("unknown-body");
+  pen.fill();
+  pen.lineWidth = 1.2;
+  pen.strokeStyle = "#ffffff";
+  pen.stroke();
+  pen.textAlign = "center";
+  pen.font = "700 11px system-ui, sans-serif";
+  if (radius < SMALLEST_LABELLED_PX) return outlinedText(pen, "?", x, y - radius - 4, "#ffffff");
+  pen.fillStyle = "#ffffff";
+  pen.textBaseline = "middle";
+  pen.fillText("?", x, y + 0.5);
+  pen.textBaseline = "alphabetic";
 }
 
 function drawBall(pen, map, field, ball) {

@@ -4,8 +4,9 @@ import { cleared, color, freeBox, outlinedText, robotLabel } from "./drawing.js"
 
 const BALL_RING_PX = 9;
 const LABEL_HIGH_PX = 13;
+const OBSTACLE_COLOR = "#f0a0f0"; // brighter than elsewhere: pictures are dark
 
-/** Draw a picture and its overlay; show says which parts: {robots, ball, lines}; chosen is {team, number} or null. */
+/** Draw a picture and its overlay; show says which parts: {robots, ball, obstacles, lines}; chosen is {team, number} or null. */
 export function drawPicture(canvas, bitmap, field, camera, state, show, chosen) {
   const { pen, width, height } = cleared(canvas);
   const scale = Math.min(width / camera.width_px, height / camera.height_px);
@@ -19,6 +20,7 @@ export function drawPicture(canvas, bitmap, field, camera, state, show, chosen) 
   const isChosen = (robot) => chosen !== null && robot.team === chosen.team && robot.id === field.marker_ids[chosen.team][chosen.number - 1];
   const labels = [];
   if (show.robots) sightings.robots.forEach((robot, index) => labels.push(drawRobot(pen, field, robot, state.outlines_px[index], scale, isChosen(robot))));
+  if (show.obstacles && state.obstacles?.valid) state.obstacles.value.obstacles.forEach((thing, index) => labels.push(drawObstacle(pen, thing, state.obstacle_outlines_px[index], scale)));
   if (show.ball) sightings.balls.forEach((ball, index) => labels.push(drawBall(pen, ball, index, scale)));
   writeLabels(pen, labels, camera.width_px * scale, camera.height_px * scale);
 }
@@ -37,9 +39,7 @@ function drawRobot(pen, field, robot, outline, scale, isChosen) {
   pen.strokeStyle = body;
   pen.lineWidth = isChosen ? 3 : 2;
   pen.setLineDash(robot.id === null ? [4, 3] : []);
-  pen.beginPath();
-  outline.forEach(([x, y]) => pen.lineTo(x * scale, y * scale));
-  pen.closePath();
+  traceOutline(pen, outline, scale);
   if (robot.heading_rad !== null) {
     pen.moveTo(robot.x_px * scale, robot.y_px * scale);
     pen.lineTo(outline[0][0] * scale, outline[0][1] * scale);
@@ -51,10 +51,30 @@ function drawRobot(pen, field, robot, outline, scale, isChosen) {
     text: isChosen ? `${name}, confidence ${Math.round(robot.confidence * 100)}%` : name,
     x: robot.x_px * scale,
     y: robot.y_px * scale,
-    reach: Math.max(...outline.map(([x, y]) => Math.hypot(x - robot.x_px, y - robot.y_px))) * scale,
+    reach: reachOf(outline, robot) * scale,
     fill: body,
     rank: isChosen ? 0 : robot.id === null ? 3 : 2,
   };
+}
+
+/** Draw a thing that nobody knows; returns its label. */
+function drawObstacle(pen, thing, outline, scale) {
+  pen.strokeStyle = OBSTACLE_COLOR;
+  pen.lineWidth = 2;
+  traceOutline(pen, outline, scale);
+  pen.stroke();
+  return { text: "?", x: thing.x_px * scale, y: thing.y_px * scale, reach: reachOf(outline, thing) * scale, fill: OBSTACLE_COLOR, rank: 3 };
+}
+
+function traceOutline(pen, outline, scale) {
+  pen.beginPath();
+  outline.forEach(([x, y]) => pen.lineTo(x * scale, y * scale));
+  pen.closePath();
+}
+
+/** How far an outline is from a thing's center at most [px of the picture]. */
+function reachOf(outline, { x_px, y_px }) {
+  return Math.max(...outline.map(([x, y]) => Math.hypot(x - x_px, y - y_px)));
 }
 
 /** Draw a ball; returns its label. */

@@ -88,7 +88,7 @@ function drawDial(pen, width, height, field, view) {
   const ball = view.ball_px < 0 ? null : place(view.ball_direction_deg, view.ball_px * scale);
   drawLabels(pen, field, runs, px.length, place, radius, ball);
   if (ball) drawBall(pen, view, scale, place);
-  drawBody(pen, field, scale);
+  drawBody(pen, field, view.team, scale);
 }
 
 /** Pixels of the mirror up to the field's diagonal, and where the rings lie. */
@@ -165,8 +165,8 @@ function drawBall(pen, view, scale, place) {
   pen.stroke();
 }
 
-function drawBody(pen, field, scale) {
-  const own = field.mirror_m.findIndex((metres) => metres === null || metres > field.robot_radius_m);
+function drawBody(pen, field, team, scale) {
+  const own = field.mirror_m.findIndex((metres) => metres === null || metres > field.robots[team].radius_m);
   const size = Math.min(Math.max(own * scale, 4), 9);
   pen.fillStyle = color("dim");
   pen.beginPath();

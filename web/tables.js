@@ -1,6 +1,6 @@
 // The tables of clients and processes, and the strip on top. Text is touched only where it changed.
 
-import { setText } from "./drawing.js";
+import { counted, setText } from "./drawing.js";
 
 const $ = (id) => document.getElementById(id);
 const GOOD_STATES = new Set(["running", "done"]);
@@ -14,14 +14,22 @@ export function showStatus(status, pages, isSeen) {
   setText($("camera-rate"), camera.measured_rate_hz === null ? "–" : `${camera.measured_rate_hz.toFixed(1)} Hz`);
   setText($("lag"), status.lag ? `${status.lag.median_ms.toFixed(1)}, ${status.lag.max_ms.toFixed(1)} ms` : "–");
   setText($("robot-count"), `${camera.robots}${camera.balls ? " + ball" : ""}`);
+  $("robot-count").parentElement.title = `In the newest image: ${counted(camera.robots, "robot")}, ${counted(camera.balls, "ball")}, ${counted(camera.obstacles, "obstacle")}`;
   setText($("client-count"), String(status.clients.length));
-  setText($("service"), `version ${status.version}, up ${duration(status.uptime_s)}, ${pages} page${pages === 1 ? "" : "s"} open`);
-  setText($("detection"), camera.reasons.join("; "));
-  $("detection").hidden = camera.reasons.length === 0;
+  setText($("service"), `version ${status.version}, up ${duration(status.uptime_s)}, ${counted(pages, "page")} open`);
+  showReasons(camera.reasons);
   setText($("refused"), status.refused.length ? `refused: ${status.refused.at(-1)}` : "");
   $("refused").title = status.refused.join("\n");
   showClients(status, isSeen);
   showProcesses(status.processes);
+}
+
+/** Why nothing, or too little, is detected: one line each. */
+function showReasons(reasons) {
+  const list = $("detection");
+  while (list.children.length > reasons.length) list.lastElementChild.remove();
+  reasons.forEach((reason, index) => setText(list.children[index] ?? list.appendChild(document.createElement("li")), reason));
+  list.hidden = reasons.length === 0;
 }
 
 /** Show the verdict: kind is ready, not-ready or waiting. */

@@ -16,9 +16,8 @@ import numpy as np
 import uvicorn
 
 from app.server import create_app
+from tests.app.fake_picture import FakePicture, Pose
 from vision_core.clock import Instant, MonotonicClock, after
-from vision_core.field_model import field_segments
-from vision_core.geometry import Bytes, Floats
 from vision_core.rtdb import records
 from vision_core.rtdb.records import (
     ClientInfo,
@@ -32,16 +31,26 @@ from vision_core.rtdb.records import (
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
-from vision_core.settings_models import camera_model_from, mirror_from
+from vision_core.settings_models import camera_model_from, robots_of
+from vision_core.tasks.messages import Messages
 from vision_core.tasks.table import record_specs, task_table
-from vision_core.types.field import EdgeKind
-from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
-from vision_core.types.tracks import BallTrack, RobotTrack, World
-from vision_core.types.views import Views, ViewSnapshot
+from vision_core.types.objects import (
+    BallSighting,
+    Diagnosis,
+    Obstacles,
+    ObstacleSighting,
+    RobotSighting,
+    Sightings,
+    Team,
+)
+from vision_core.types.tables import WorldTable
+from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
 
 CAMERA = "main"
 TASKS = task_table(CAMERA)
-COLORS = {Team.BLUE: (220, 90, 30), Team.YELLOW: (40, 200, 240)}
+OBSTACLES = ((0.05, 0.95, 0.11), (-0.1, -0.45, 0.06))
+"""Shares of half the field's length and width, radius [m]."""
+RATES_HZ = {"capture": 30.0, "perceive": 30.0, "obstacles": 10.0, "diagnose": 1.0, "serve": 30.0}
 
 
 @dataclass
@@ -59,6 +68,7 @@ class Scene:
     states: dict[str, tuple[str, str]] = field(default_factory=dict)
     """State and detail of processes that do not run."""
     reasons: tuple[str, ...] = ()
+    obstacles: bool = True
     repeats: bool = False
 
 
@@ -75,7 +85,8 @@ class FakeService:
         self.boot = self.clock.now()
         self._writers = {spec.name: self.store.writer(spec.name) for spec in self.specs}
         self._camera = camera_model_from(self.settings)
-        self._carpet = self._drawn_carpet()
+        self._picture = FakePicture(self.settings, self._things())
+        self._messages = Messages(self.settings, self.boot)
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -96,9 +107,9 @@ class FakeService:
             state, detail = self.scene.states.get(name, ("done" if name == "compile" else "running", ""))
             infos.append(ProcessInfo(name, 4000 + index if state == "running" else None, state, 0, detail))
         self.put(records.PROCESSES, Processes(tuple(infos)))
-        for name in ("capture", "perceive", "serve"):
+        for name, rate_hz in RATES_HZ.items():
             if name not in self.scene.states:
-                self.put(records.task(name), TaskInfo(os.getpid(), self._frames, 2, 30.0, 4.1, 7.9, ""))
+                self.put(records.task(name), TaskInfo(os.getpid(), self._frames, 2, rate_hz, 4.1, 7.9, ""))
 
     def write_frame(self) -> None:
         """What the tasks write for one image."""
@@ -106,15 +117,18 @@ class FakeService:
         t = (grabbed - self.boot) / 1e9
         self._frames += 1
         poses = self._poses(t) if self.scene.robots else []
-        ball = (0.9 * math.sin(0.5 * t), 0.7 * math.cos(0.37 * t))
-        pixels = self._drawn(poses, ball)
+        ball = self._on_field(0.65 * math.sin(0.5 * t), 0.6 * math.cos(0.37 * t))
+        pixels = self._picture.drawn(poses, ball)
         self._writers[f"frames/{CAMERA}"].write(pixels.tobytes(), grabbed, self.clock.now())
         source = SourceInfo("synthetic", "simulated ceiling camera", self.scene.repeats, 30.0)
         self.put(records.source(CAMERA), source)
         self.put(records.sightings(CAMERA), self._sightings(poses, ball, grabbed), grabbed)
-        self.put(records.WORLD, self._world(poses, ball, grabbed), grabbed)
-        views = tuple(self._view(index, poses, ball) for index in range(int(self.scene.unread), len(poses)))
-        self.put(records.VIEWS, Views(self._frames, grabbed, views), grabbed)
+        self.put(records.obstacles(CAMERA), self._obstacles(grabbed), grabbed)
+        self.put(records.diagnosis(CAMERA), Diagnosis(CAMERA, self._frames, grabbed, self.scene.reasons), grabbed)
+        world = self._world(poses, ball, grabbed)
+        self.put(records.WORLD, world, grabbed)
+        self._messages.write(WorldTable.of(world), ())
+        self.put(records.VIEWS, self._messages.views.record(), grabbed)
         self.put(records.SERVING, self._serving())
 
     def start(self) -> None:
@@ -135,115 +149,57 @@ class FakeService:
             if self.scene.image:
                 self.write_frame()
 
-    def _poses(self, t: float) -> list[tuple[Team, int, float, float, float]]:
+    def _poses(self, t: float) -> list[Pose]:
         poses = []
-        for index in range(2 * self.settings.match.numbers - self.scene.missing):
-            team = Team.BLUE if index < self.settings.match.numbers else Team.YELLOW
-            number = index % self.settings.match.numbers + 1
+        per_team = self.settings.match.numbers
+        for index in range(2 * per_team - self.scene.missing):
+            team = Team.BLUE if index < per_team else Team.YELLOW
+            number = index % per_team + 1
             phase = 0.4 * t + index * math.tau * 0.3
-            side = -0.55 if team is Team.BLUE else 0.55
-            x = side + (0.25 + 0.08 * number) * math.cos(phase)
-            y = (number - 3) * 0.38 + 0.12 * math.sin(1.3 * phase)
+            side = -0.4 if team is Team.BLUE else 0.4
+            x, y = self._on_field(
+                side + (0.18 + 0.057 * number) * math.cos(phase),
+                (2 * number - per_team - 1) * 0.165 + 0.1 * math.sin(1.3 * phase),
+            )
             poses.append((team, number, x, y, phase + 1.2))
         return poses
 
-    def _drawn_carpet(self) -> Bytes:
-        camera = self.settings.camera
-        carpet = np.full((camera.height_px, camera.width_px, 3), (45, 90, 50), dtype=np.uint8)
-        noise = np.random.default_rng(1).integers(0, 12, carpet.shape, dtype=np.uint8)
-        return carpet + noise
+    def _on_field(self, x: float, y: float) -> tuple[float, float]:
+        """A place [m], given in halves of the field's length and width."""
+        return x * self.settings.field.length_m / 2.0, y * self.settings.field.width_m / 2.0
 
-    def _drawn(self, poses: list[tuple[Team, int, float, float, float]], ball: tuple[float, float]) -> Bytes:
-        image = self._carpet.copy()
-        height = self.settings.robots.height_m
-        for team, _number, x, y, _heading in poses:
-            self._disc(image, (x, y), height, 18.0, (30, 30, 30))
-            self._disc(image, (x, y), height, 5.0, COLORS[team])
-        self._disc(image, ball, 0.0, 4.0, (20, 120, 240))
-        return image
-
-    def _disc(
-        self, image: Bytes, at: tuple[float, float], height: float, radius: float, color: tuple[int, int, int]
-    ) -> None:
-        x, y = self._camera.pixel_from_field(np.array([at]), height)[0]
-        reach = int(radius) + 1
-        x0, y0 = max(int(x) - reach, 0), max(int(y) - reach, 0)
-        patch = image[y0 : int(y) + reach + 1, x0 : int(x) + reach + 1]
-        rows, columns = np.indices(patch.shape[:2])
-        patch[(columns + x0 - x) ** 2 + (rows + y0 - y) ** 2 <= radius**2] = color
-
-    def _sightings(
-        self, poses: list[tuple[Team, int, float, float, float]], ball: tuple[float, float], grabbed: Instant
-    ) -> Sightings:
+    def _sightings(self, poses: list[Pose], ball: tuple[float, float], grabbed: Instant) -> Sightings:
         robots = []
         for team, number, x, y, heading in poses:
-            px, py = self._camera.pixel_from_field(np.array([[x, y]]), self.settings.robots.height_m)[0]
+            height = robots_of(self.settings.robots, team).height_m
+            px, py = self._camera.pixel_from_field(np.array([[x, y]]), height)[0]
             robots.append(RobotSighting(team, number, float(px), float(py), x, y, heading, 0.93, 0.001, 0.01))
         if self.scene.unread:
             robots[0] = replace(robots[0], id=None, heading_rad=None)
         px, py = self._camera.pixel_from_field(np.array([ball]))[0]
         balls = (BallSighting(float(px), float(py), *ball, 0.88, 0.001),)
-        return Sightings(CAMERA, self._frames, grabbed, after(grabbed, 0.006), tuple(robots), balls, self.scene.reasons)
+        return Sightings(CAMERA, self._frames, grabbed, after(grabbed, 0.006), tuple(robots), balls, complete=True)
 
-    def _world(
-        self, poses: list[tuple[Team, int, float, float, float]], ball: tuple[float, float], grabbed: Instant
-    ) -> World:
+    def _things(self) -> list[tuple[float, float, float]]:
+        """Where obstacles stand and their radius [m]."""
+        return [(*self._on_field(x, y), radius) for x, y, radius in OBSTACLES if self.scene.obstacles]
+
+    def _obstacles(self, grabbed: Instant) -> Obstacles:
+        things = []
+        for x, y, radius in self._things():
+            px, py = self._camera.pixel_from_field(np.array([[x, y]]))[0].tolist()
+            things.append(ObstacleSighting(px, py, x, y, radius, 0.8))
+        return Obstacles(CAMERA, self._frames, grabbed, tuple(things))
+
+    def _world(self, poses: list[Pose], ball: tuple[float, float], grabbed: Instant) -> World:
         robots = tuple(
             RobotTrack(team, number, x, y, heading, 0.1, 0.2, 0.4, 0.001, 0.01, 0.93, grabbed)
             for team, number, x, y, heading in poses
         )
         if self.scene.unread:
             robots = (replace(robots[0], id=None, heading_rad=0.0, heading_sd_rad=1.8), *robots[1:])
-        return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed), ())
-
-    def _view(
-        self, own: int, poses: list[tuple[Team, int, float, float, float]], ball: tuple[float, float]
-    ) -> ViewSnapshot:
-        team, number, x, y, heading = poses[own]
-        angles = heading + np.radians(np.arange(360.0))
-        reach, kinds = self._nearest(own, poses, np.array([x, y]), np.column_stack([np.cos(angles), np.sin(angles)]))
-        mirror = mirror_from(self.settings)
-        px = np.where(kinds == EdgeKind.NOTHING, 255.0, mirror.px_from_mm(np.minimum(reach, 20.0) * 1000.0))
-        dx, dy = ball[0] - x, ball[1] - y
-        away = math.hypot(dx, dy)
-        direction = round(math.degrees(math.atan2(dy, dx) - heading)) % 360
-        hidden = away > reach[direction]
-        return ViewSnapshot(
-            team=team,
-            number=number,
-            px=px.astype(np.uint8).tobytes(),
-            kinds=kinds.astype(np.uint8).tobytes(),
-            ball_px=-1 if hidden else int(mirror.px_from_mm(away * 1000.0)),
-            ball_direction_deg=0 if hidden else direction,
-            ball_size_deg=0 if hidden else max(1, round(math.degrees(2 * 0.02135 / away))),
-            partial=False,
-            overlap=False,
-        )
-
-    def _nearest(
-        self, own: int, poses: list[tuple[Team, int, float, float, float]], origin: Floats, rays: Floats
-    ) -> tuple[Floats, Floats]:
-        reach = np.full(len(rays), np.inf)
-        kinds = np.zeros(len(rays))
-        for piece in field_segments(self.settings.field, "left"):
-            start = np.array([piece.x1_m, piece.y1_m]) - origin
-            along = np.array([piece.x2_m - piece.x1_m, piece.y2_m - piece.y1_m])
-            with np.errstate(divide="ignore", invalid="ignore"):
-                cross = rays[:, 0] * along[1] - rays[:, 1] * along[0]
-                t = (start[0] * along[1] - start[1] * along[0]) / cross
-                u = (start[0] * rays[:, 1] - start[1] * rays[:, 0]) / cross
-            hit = (t > 0) & (u >= 0) & (u <= 1) & (t < reach)
-            reach[hit], kinds[hit] = t[hit], piece.kind
-        for index, (team, number, x, y, _heading) in enumerate(poses):
-            if index == own:
-                continue
-            middle = rays @ (np.array([x, y]) - origin)
-            root = self.settings.robots.radius_m**2 - (np.sum((np.array([x, y]) - origin) ** 2) - middle**2)
-            t = middle - np.sqrt(np.maximum(root, 0.0))
-            hit = (root > 0) & (t > 0) & (t < reach)
-            base = EdgeKind.ROBOT_BLUE if team is Team.BLUE else EdgeKind.ROBOT_YELLOW
-            reach[hit], kinds[hit] = t[hit], base + number
-        return reach, kinds
+        things = tuple(ObstacleTrack(x, y, radius, grabbed) for x, y, radius in self._things())
+        return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed), things)
 
     def _serving(self) -> Serving:
         per_team = self.settings.match.numbers
@@ -302,14 +258,21 @@ STATES: dict[str, Scene] = {
         states={
             "compile": ("running", "3 of 7: label pixels"),
             "capture": ("waiting", ""),
-            "perceive": ("waiting", ""),
-            "serve": ("waiting", ""),
+            **dict.fromkeys(("perceive", "obstacles", "diagnose", "serve"), ("waiting", "")),
         },
     ),
     "blind": Scene(image=False),
     "crashing": Scene(states={"perceive": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")}),
     "unread": Scene(unread=True, missing=1),
     "empty": Scene(robots=False, reasons=("no blob is large enough to be a dot of a marker",), repeats=True),
+    "explained": Scene(
+        missing=4,
+        reasons=(
+            "the picture is overexposed: 31 % of the field's pixels are at 255",
+            "no blob of class yellow has the area of a center dot: the nearest has 41 px, 70 to 160 are accepted",
+            "painted lines lie 9 px beside where the camera model sees them: calibrate the camera",
+        ),
+    ),
 }
 
 
@@ -319,10 +282,11 @@ def main() -> None:
     parser.add_argument("--port", type=int, default=8100)
     parser.add_argument("--clients", type=int, default=10)
     parser.add_argument("--state", choices=sorted(STATES), default="ready")
-    parser.add_argument("--preset", default="ssl-2002")
+    parser.add_argument("--preset")
+    parser.add_argument("--venue")
     chosen = parser.parse_args()
     scene = replace(STATES[chosen.state], clients=chosen.clients)
-    service = FakeService(scene, load_settings(options={"field_preset": chosen.preset}))
+    service = FakeService(scene, load_settings(chosen.venue, options={"field_preset": chosen.preset}))
     service.start()
     PageServer(service, chosen.port).start()
     threading.Event().wait()

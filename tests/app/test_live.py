@@ -58,6 +58,8 @@ def test_a_turn_is_a_picture_and_a_state(server: PageServer, service: FakeServic
     assert state["status"]["ready"] is True
     assert state["pages"] == 1
     assert len(state["outlines_px"]) == len(state["sightings"]["value"]["robots"]) == 10
+    assert len(state["obstacle_outlines_px"]) == len(state["obstacles"]["value"]["obstacles"]) == 2
+    assert [thing["radius_m"] for thing in state["world"]["value"]["obstacles"]] == [0.11, 0.06]
     views = state["views"]["value"]["views"]
     assert len(views) == 10
     assert len(base64.b64decode(views[0]["px"])) == len(base64.b64decode(views[0]["kinds"])) == 360

@@ -12,7 +12,8 @@ from vision_core.settings_files import load_settings
 from vision_core.types.objects import Sightings
 
 NOW = Instant(100_000_000_000)
-SEEN = Sightings("main", 7, NOW, NOW, (), (), ("nothing is orange",))
+SEEN = Sightings("main", 7, NOW, NOW, (), (), complete=True)
+RUNNING = ("capture", "perceive", "obstacles", "diagnose", "serve", "web")
 
 
 def timed(value: T, age_s: float = 0.01, *, valid: bool = True) -> Timed[T]:
@@ -22,8 +23,7 @@ def timed(value: T, age_s: float = 0.01, *, valid: bool = True) -> Timed[T]:
 
 def processes(**states: tuple[str, str]) -> Timed[Processes]:
     """All processes well but for the named ones."""
-    well = {"compile": ("done", ""), "capture": ("running", ""), "perceive": ("running", ""), "serve": ("running", "")}
-    table = well | states
+    table = {"compile": ("done", ""), **dict.fromkeys(RUNNING, ("running", "")), **states}
     return timed(Processes(tuple(ProcessInfo(name, 1, state, 0, detail) for name, (state, detail) in table.items())))
 
 
@@ -38,6 +38,8 @@ def well() -> Readings:
         frame=FrameStamp(7, NOW, 0.02),
         source=None,
         sightings=timed(SEEN),
+        obstacles=None,
+        diagnosis=None,
         world=None,
         views=None,
         serving=timed(Serving((), 0.0, 0.0, ())),
@@ -74,6 +76,13 @@ def test_every_broken_process_is_named(well: Readings) -> None:
         "process capture is restarting: ended with signal SIGKILL",
         "process perceive is disabled: 5 ends in a minute",
     )
+
+
+@pytest.mark.parametrize("state", ["starting", "restarting", "disabled"])
+def test_who_only_explains_is_not_waited_for(well: Readings, state: str) -> None:
+    assert reasons_not_ready(replace(well, processes=processes(diagnose=(state, "ended with exit status 1")))) == ()
+    without_obstacles = replace(well, processes=processes(obstacles=(state, "")))
+    assert reasons_not_ready(without_obstacles) == (f"process obstacles is {state}",)
 
 
 def test_no_image_hides_what_follows_from_it(well: Readings) -> None:

@@ -6,9 +6,13 @@ import httpx
 import numpy as np
 import pytest
 
+from app.blackboard import Blackboard
 from app.problems import MEDIA_TYPE
+from app.reports import status_from
 from tests.app.fake_service import STATES, FakeService, PageServer, wait_for
+from vision_core.clock import after
 from vision_core.rtdb import records
+from vision_core.types.objects import Diagnosis
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +70,7 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
     assert status["source"] == {"uri": "synthetic", "description": "simulated ceiling camera", "repeats": False}
     (camera,) = status["cameras"]
     assert (camera["name"], camera["width_px"], camera["height_px"]) == ("main", 640, 480)
-    assert (camera["robots"], camera["balls"], camera["measured_rate_hz"]) == (10, 1, 30.0)
+    assert (camera["robots"], camera["balls"], camera["obstacles"], camera["measured_rate_hz"]) == (10, 1, 2, 30.0)
     assert 0.0 <= camera["age_s"] < 5.0
     assert len(status["clients"]) == 10
     assert status["clients"][2]["dropped"] == 3
@@ -77,9 +81,23 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
         "capture": "running",
         "perceive": "running",
         "obstacles": "running",
+        "diagnose": "running",
         "serve": "running",
         "web": "running",
     }
+
+
+def test_reasons_are_told_for_five_seconds() -> None:
+    own = FakeService(STATES["explained"])
+    own.write_frame()
+    blackboard = Blackboard(own.store)
+    assert status_from(blackboard.read()).cameras[0].reasons == list(own.scene.reasons)
+    diagnosis = records.diagnosis("main")
+    now = own.clock.now()
+    for age_s, told in ((4.0, ["one"]), (5.1, [])):
+        grabbed = after(now, -age_s)
+        own.put(diagnosis, Diagnosis("main", 1, grabbed, ("one",)), grabbed)
+        assert status_from(blackboard.read()).cameras[0].reasons == told
 
 
 def test_snapshot_is_the_newest_picture_in_full_size(http: httpx.Client) -> None:
@@ -130,13 +148,14 @@ def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
     for path, methods in api["paths"].items():
         assert methods["get"]["description"], path
     camera = api["components"]["schemas"]["Camera"]["properties"]
-    assert camera["reasons"]["description"] == "Why nothing, or too little, is detected."
+    assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected;")
 
 
 def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
     field = http.get("/api/v1/field").json()
     assert field["kinds"]["robot_yellow"] == 48
     assert field["numbers"] == 5
+    assert field["robots"]["blue"] == field["robots"]["yellow"] == {"outline": "circle", "radius_m": 0.09}
     assert {segment["kind"] for segment in field["segments"]} == {1, 2, 3}
 
 
