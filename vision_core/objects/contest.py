@@ -13,6 +13,7 @@ from vision_core.objects.finder_memory import (
     HEADING,
     MATCHED,
     ROOM,
+    ROW_LENGTH,
     SCORE,
     TEAM,
     Memory,
@@ -34,12 +35,13 @@ def compete(count: int, memory: Memory) -> int:
     for number in range(count):
         order[number] = number
         used[int(rows[number, ANCHOR])] = False
-        for blob in rows[number, FIRST_SLOT:]:
-            if blob >= 0:
-                used[int(blob)] = False
+        for column in range(FIRST_SLOT, ROW_LENGTH):
+            if rows[number, column] >= 0:
+                used[int(rows[number, column])] = False
     _sort(rows, order, count)
-    won = 0
-    for number in order[:count]:
+    won = int(np.int64(0))  # a plain 0 is a type of its own, for which all that it is passed to is compiled twice
+    for place in range(count):
+        number = order[place]
         row = rows[number]
         winner = _winner_of(row, rows, memory.winners, won)
         if winner >= 0:
@@ -49,9 +51,9 @@ def compete(count: int, memory: Memory) -> int:
             memory.winners[won], memory.ambiguous[won] = number, False
             won += 1
             used[int(row[ANCHOR])] = True
-            for blob in row[FIRST_SLOT:]:
-                if blob >= 0:
-                    used[int(blob)] = True
+            for column in range(FIRST_SLOT, ROW_LENGTH):
+                if row[column] >= 0:
+                    used[int(row[column])] = True
     return won
 
 
@@ -99,16 +101,16 @@ def _is_rival(row: Floats, winner: Floats) -> bool:
 def _is_free(row: Floats, used: NDArray[np.bool_]) -> bool:
     """Whether no winner wears one of its blobs."""
     taken: bool = used[int(row[ANCHOR])]
-    for blob in row[FIRST_SLOT:]:
-        taken |= blob >= 0 and used[int(blob)]
+    for column in range(FIRST_SLOT, ROW_LENGTH):
+        taken |= row[column] >= 0 and used[int(row[column])]
     return not taken
 
 
 @kernel
 def _has_room(row: Floats, rows: Floats, winners: NDArray[np.int32], won: int) -> bool:
     """Whether it stands in no winner."""
-    for winner in winners[:won]:
-        other = rows[winner]
+    for winner in range(won):
+        other = rows[winners[winner]]
         spacing = row[ROOM] + other[ROOM]
         if (row[X] - other[X]) ** 2 + (row[Y] - other[Y]) ** 2 < spacing * spacing:
             return False

@@ -57,12 +57,16 @@ class Marker(NamedTuple):
     anchor_area_m2: float
     shape: Shape
     """Of the anchor."""
+    pointed: bool
+    """Whether the anchor's shape tells anything of the heading."""
     slots_m: Floats
     """Shape (s, 2)."""
     arms_m: Floats
     """The same, seen from the anchor."""
     areas_m2: Floats
     """Shape (s,)."""
+    least_area_m2: float
+    """Of all patches."""
     reach_m: Floats
     """From the anchor to the nearest and to the farthest slot, shape (2,)."""
     shares: Floats
@@ -73,6 +77,8 @@ class Marker(NamedTuple):
     """Value of each color class at each slot, or REFUSED; shape (s, classes)."""
     places: Numbers
     """What a digit at each slot counts in the code, 0 where all robots wear the same; shape (s,)."""
+    coded: bool
+    """Whether there is a code to read."""
     codes: Numbers
     """The codes that are worn, shape (n,)."""
     ids: Numbers
@@ -113,14 +119,17 @@ def marker_of(
         anchor_m=frozen(centers[anchor].copy()),
         anchor_area_m2=float(areas[anchor]),
         shape=shape,
+        pointed=bool(shape.weights.any()),
         slots_m=frozen(slots.copy()),
         arms_m=frozen(slots - centers[anchor]),
         areas_m2=frozen(areas[others]),
+        least_area_m2=float(areas.min()),
         reach_m=frozen(np.array([reach.min(), reach.max()])),
         shares=frozen(areas[[anchor, *others]] / areas.sum()),
         radii_m=frozen(np.array([_radius_m(pattern.patches[index]) for index in (anchor, *others)])),
         digits=frozen(digits),
         places=frozen(places),
+        coded=pattern.digits > 0,
         codes=frozen(np.array(codes, dtype=np.int64)),
         ids=frozen(np.array(list(pattern.code_by_id), dtype=np.int64)),
         enough=enough,

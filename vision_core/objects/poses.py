@@ -50,7 +50,7 @@ def refine_pose(
     enough = marker.enough_shaped if row[SHAPED] > 0 else marker.enough
     told = not ambiguous and (row[MATCHED] >= enough if row[MATCHED] > 0 else row[SHAPED] == 2)
     robot.team, robot.confidence = marker.team, row[SCORE]
-    robot.id = code_of(blobs, marker, row) if told or marker.places.sum() == 0 else NO_ID
+    robot.id = code_of(blobs, marker, row) if told or not marker.coded else NO_ID
     centers = memory.centers
     if not told:
         offset = math.hypot(marker.anchor_m[0], marker.anchor_m[1])

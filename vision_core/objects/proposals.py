@@ -23,6 +23,7 @@ from vision_core.objects.finder_memory import (
     MOST_ROWS,
     MOST_SLOTS,
     ROOM,
+    ROW_LENGTH,
     SCORE,
     SHAPED,
     STEADY,
@@ -66,11 +67,10 @@ SURE, OTHER = 0.75, 0.75
 def place_blobs(blobs: Table, count: int, camera: CameraMap, marker: Marker, gates: Gates, memory: Memory) -> int:
     """Put the blobs that a team may wear on the field, those of its slots into the grid; how many are listed."""
     places, heads = memory.places[marker.team], memory.heads
-    heads[:, :] = -1
+    for row in range(BUCKETS):
+        for column in range(BUCKETS):
+            heads[row, column] = -1
     cell = _reach(marker, gates)
-    smallest = marker.anchor_area_m2
-    for area in marker.areas_m2:
-        smallest = min(smallest, area)
     listed = 0
     for blob in range(count):
         worn = marker.wears[blobs[blob].color]
@@ -80,7 +80,7 @@ def place_blobs(blobs: Table, count: int, camera: CameraMap, marker: Marker, gat
         if math.isnan(x):
             continue
         area = blobs[blob].area_px / pixels_per_square_metre(camera, x, y, marker.height_m)
-        if not area >= gates.min_area * smallest:
+        if not area >= gates.min_area * marker.least_area_m2:
             continue
         places[blob, 0], places[blob, 1], places[blob, 2] = x, y, area
         memory.listed[listed] = blob
@@ -122,8 +122,9 @@ def propose(
     likeness of the areas * how well the anchor's shape agrees.
     """
     places, rows, filled = memory.places[marker.team], memory.rows, memory.filled
-    filled[:] = -1
-    look = marker.shape.weights.sum() > 0.0 or marker.shares[0] >= gates.min_confidence
+    for slot in range(MOST_SLOTS):
+        filled[slot] = -1
+    look = marker.pointed or marker.shares[0] >= gates.min_confidence
     for k in range(listed):
         anchor = memory.listed[k]
         like = likeness_of(places[anchor, 2] / marker.anchor_area_m2, gates)
@@ -319,7 +320,8 @@ def _keep(rows: Floats, start: int, count: int) -> int:
         if rows[other, SCORE] < rows[worst, SCORE]:
             worst = other
     if rows[count, SCORE] > rows[worst, SCORE]:
-        rows[worst] = rows[count]
+        for column in range(ROW_LENGTH):
+            rows[worst, column] = rows[count, column]
     return count
 
 
@@ -337,7 +339,8 @@ def _alone(
     if score < gates.min_confidence:
         return 0
     row[TEAM], row[ANCHOR], row[MATCHED], row[SHAPED], row[STEADY], row[HEADING] = marker.team, anchor, 0, 0, 0, 0
-    row[FIRST_SLOT:] = -1
+    for slot in range(MOST_SLOTS):
+        row[FIRST_SLOT + slot] = -1
     row[ROOM] = max(NEAREST * marker.radius_m - math.hypot(marker.anchor_m[0], marker.anchor_m[1]), 0.0)
     row[X], row[Y] = memory.places[marker.team, anchor, 0], memory.places[marker.team, anchor, 1]
     if shaped and marker.enough_shaped == 0:

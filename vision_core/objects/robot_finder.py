@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from vision_core.camera_kernels import CameraMap
 from vision_core.geometry import Bytes
 from vision_core.kernels import kernel
@@ -58,7 +60,7 @@ def find_robots(
     ColorTable, shape (65536,); robots: ROBOT table with room for MOST_ROBOTS. (x_m, y_m) is the robot's center.
     """
     markers, gates, memory = finder.markers, finder.gates, finder.memory
-    rows = 0
+    rows = int(np.int64(0))  # a plain 0 is a type of its own, for which all that it is passed to is compiled twice
     for marker in markers:
         listed = place_blobs(blobs, count, camera, marker, gates, memory)
         rows = propose(blobs, listed, pixels, classes, camera, marker, gates, memory, rows)
