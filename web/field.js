@@ -194,7 +194,8 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
     pen.font = "700 11px system-ui, sans-serif";
     pen.fillStyle = blue ? "#ffffff" : "#2a2000";
     pen.textBaseline = "middle";
-    pen.fillText(label, x - 1.5 * Math.cos(front), y - 1.5 * Math.sin(front) + 0.5);
+    const back = square ? BAR.wide * radius : 1.5;
+    pen.fillText(label, x - back * Math.cos(front), y - back * Math.sin(front) + 0.5);
     pen.textBaseline = "alphabetic";
   } else {
     pen.font = "600 10px system-ui, sans-serif";

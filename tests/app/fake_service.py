@@ -69,6 +69,7 @@ class Scene:
     """State and detail of processes that do not run."""
     reasons: tuple[str, ...] = ()
     obstacles: bool = True
+    moving: bool = True
     repeats: bool = False
 
 
@@ -87,6 +88,7 @@ class FakeService:
         self._camera = camera_model_from(self.settings)
         self._picture = FakePicture(self.settings, self._things())
         self._messages = Messages(self.settings, self.boot)
+        self._messages.write(WorldTable(), ())  # compiled now, so that nobody waits for it later
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -114,7 +116,7 @@ class FakeService:
     def write_frame(self) -> None:
         """What the tasks write for one image."""
         grabbed = self.clock.now()
-        t = (grabbed - self.boot) / 1e9
+        t = (grabbed - self.boot) / 1e9 if self.scene.moving else 0.0
         self._frames += 1
         poses = self._poses(t) if self.scene.robots else []
         ball = self._on_field(0.65 * math.sin(0.5 * t), 0.6 * math.cos(0.37 * t))

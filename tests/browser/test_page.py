@@ -1,12 +1,16 @@
 """The page in a browser, on a fake service: what a person sees."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene
+from vision_core.geometry import rotation
 from vision_core.rtdb import records
+from vision_core.settings_files import load_settings
+from vision_core.types.tracks import RobotTrack
 
 pytestmark = pytest.mark.browser
 
@@ -28,6 +32,27 @@ PLACE_ON_PAGE = """async ([x_m, y_m]) => {
   return [box.x + x, box.y + y];
 }"""
 
+COLOR_ON_FIELD = """async ([x_m, y_m]) => {
+  const { mapping } = await import('/web/field.js');
+  const field = await (await fetch('/api/v1/field')).json();
+  const canvas = document.querySelector('#field');
+  const [x, y] = mapping(field, canvas.clientWidth, canvas.clientHeight).at(x_m, y_m);
+  return [...canvas.getContext('2d').getImageData(Math.round(x), Math.round(y), 1, 1).data.slice(0, 3)];
+}"""
+COLOR_IN_PICTURE = """color => {
+  const canvas = document.querySelector('#picture');
+  const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  for (let at = 0; at < data.length; at += 4) if (color.every((part, index) => part === data[at + index])) return true;
+  return false;
+}"""
+BLUE, YELLOW, UNKNOWN, UNKNOWN_RING = [47, 111, 228], [255, 210, 63], [150, 60, 150], [240, 160, 240]
+MIXED = load_settings(
+    options={
+        "robots.blue": {"pattern": "vsss-three-patch", "outline": "square", "radius_m": 0.1, "height_m": 0.1},
+        "robots.yellow": {"pattern": "ssl-standard", "outline": "circle", "radius_m": 0.1, "height_m": 0.1},
+    }
+)
+
 
 class Watched:
     """A page and everything it complains about."""
@@ -45,7 +70,8 @@ class Watched:
 
 @pytest.fixture
 def service(request: pytest.FixtureRequest) -> Iterator[FakeService]:
-    service = FakeService(getattr(request, "param", Scene()))
+    param = getattr(request, "param", Scene())
+    service = FakeService(*param) if isinstance(param, tuple) else FakeService(param)
     service.start()
     yield service
     service.stop()
@@ -125,6 +151,67 @@ def test_a_robot_is_chosen_on_the_field(browser: Browser, service: FakeService, 
         expect(page.locator("#field")).to_have_css("cursor", "pointer")
         expect(page.locator(".tile.blue").nth(1)).to_have_attribute("aria-pressed", "true")
     expect(page.locator("#selected")).to_contain_text("B?: its number is not read")
+    assert watched.complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize("service", [(Scene(unread=True, obstacles=False, moving=False), MIXED)], indirect=True)
+def test_robots_are_drawn_as_their_team_is_and_turned(
+    browser: Browser, service: FakeService, server: PageServer
+) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    page.wait_for_function(f"async () => ({COLORS_OF_CANVAS})('#field') > 5")
+    unread, *robots = records.WORLD.reader(service.store).value(service.clock.now()).robots
+    blue, yellow = robots[0], robots[-1]
+
+    def color(robot: RobotTrack, ahead: float, left: float) -> list[int]:
+        """Of what is drawn so far from a robot's center, in halves of its width."""
+        offset = rotation(robot.heading_rad) @ (0.1 * ahead, 0.1 * left)
+        shown: list[int] = page.evaluate(COLOR_ON_FIELD, [robot.x_m + offset[0], robot.y_m + offset[1]])
+        return shown
+
+    for corner in ((-0.85, 0.85), (-0.85, -0.85)):
+        assert color(blue, *corner) == BLUE
+        assert color(unread, *corner) != BLUE
+        assert color(yellow, *corner) != YELLOW
+    assert color(blue, 0.8, 0.5) == [255, 255, 255], "the mark at its front"
+    assert color(yellow, -0.85, 0.0) == YELLOW
+    assert color(unread, 0.85, 0.0) == BLUE, "a full circle"
+    assert watched.complaints == []
+    page.close()
+
+
+def test_obstacles_are_shown_and_explained(browser: Browser, service: FakeService, server: PageServer) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    place = [service.settings.field.length_m * 0.025, service.settings.field.width_m * 0.475]
+    edge = [place[0], place[1] - 0.08]
+    page.wait_for_function(f"async () => String(await ({COLOR_ON_FIELD})({edge})) === '{','.join(map(str, UNKNOWN))}'")
+    page.mouse.click(*page.evaluate(PLACE_ON_PAGE, place))
+    expect(page.locator("#selected")).to_contain_text("no known robot and no ball, 22 cm wide")
+    expect(page.locator("#field")).to_have_css("cursor", "help")
+    assert page.evaluate(COLOR_IN_PICTURE, UNKNOWN_RING)
+    page.get_by_label("obstacles").uncheck()
+    assert not page.evaluate(COLOR_IN_PICTURE, UNKNOWN_RING)
+    page.keyboard.press("Escape")
+    expect(page.locator("#selected")).to_contain_text("Choose a robot")
+    assert watched.complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize("service", [STATES["explained"]], indirect=True)
+def test_reasons_are_a_list_while_there_are_any(browser: Browser, service: FakeService, server: PageServer) -> None:
+    watched = Watched(browser, server.address, TABLET)
+    page = watched.page
+    reasons = list(service.scene.reasons)
+    expect(page.locator("#detection li")).to_have_text(reasons)
+    service.scene = replace(service.scene, reasons=tuple(reasons[1:2]))
+    expect(page.locator("#detection li")).to_have_text(reasons[1:2])
+    service.scene = replace(service.scene, reasons=())
+    expect(page.locator("#detection")).to_be_hidden()
     assert watched.complaints == []
     page.close()
 
