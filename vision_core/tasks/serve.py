@@ -23,7 +23,7 @@ from vision_core.rtdb.records import ClientInfo, Serving
 from vision_core.settings import Settings
 from vision_core.tasks.gauge import Gauge
 from vision_core.tasks.messages import Messages
-from vision_core.tasks.warm_up import warm_up_scene
+from vision_core.tasks.warm_up import views as warm_up_views
 from vision_core.tracks.tracking import Tracker
 from vision_core.types.tables import SightingsTable, Table, obstacle_table
 
@@ -42,7 +42,7 @@ def main() -> None:
     clock = MonotonicClock()
     gauge = Gauge(attachment, clock.now())
     settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
-    warm_up_scene(settings)
+    warm_up_views(settings)
     Server(attachment, settings, gauge).run()
 
 

@@ -1,13 +1,16 @@
 """Uses every kernel once, so that it is compiled (or loaded) before a frame waits for it."""
 
 import random
-from collections.abc import Callable
+import signal
+import sys
 
+import msgspec
 import numpy as np
 
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.net.batch import Batch, Lines
+from vision_core.rtdb.attachment import end_with
 from vision_core.settings import Settings
 from vision_core.tasks.messages import Messages
 from vision_core.tasks.perception import Perception
@@ -16,16 +19,12 @@ from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Te
 from vision_core.types.tables import SightingsTable, obstacle_table
 
 
-def warm_up_steps(settings: Settings) -> list[tuple[str, Callable[[], None]]]:
-    """What there is to compile: a name for people, and what to call."""
-    return [
-        ("colors, blobs and robots", lambda: Perception(settings).warm_up()),
-        ("tracks and views", lambda: warm_up_scene(settings)),
-        ("camera", lambda: _warm_up_synthetic(settings)),
-    ]
+def perception(settings: Settings) -> None:
+    """An empty picture."""
+    Perception(settings).warm_up()
 
 
-def warm_up_scene(settings: Settings) -> None:
+def views(settings: Settings) -> None:
     """A robot of each team and a ball, seen and encoded once."""
     ids = settings.match.blue_ids[0], settings.match.yellow_ids[0]
     robots = (
@@ -40,9 +39,22 @@ def warm_up_scene(settings: Settings) -> None:
     lines.send(Instant(1), Batch.of(()))
 
 
-def _warm_up_synthetic(settings: Settings) -> None:
+def camera(settings: Settings) -> None:
+    """A simulated picture, where one is asked for."""
     if settings.source.uri != "synthetic":
         return
-    camera = open_source(settings, ManualClock(), paced=False)
-    camera.grab(np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8))
-    camera.close()
+    source = open_source(settings, ManualClock(), paced=False)
+    source.grab(np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8))
+    source.close()
+
+
+def main() -> None:
+    """Compile one step; its name and the compiler's process id are the arguments, the settings come as JSON."""
+    end_with(int(sys.argv[2]))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the compiler ends us
+    settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
+    {"perception": perception, "views": views, "camera": camera}[sys.argv[1]](settings)
+
+
+if __name__ == "__main__":
+    main()
