@@ -5,7 +5,9 @@ A pose is fitted by least squares with the weight 1 / variance for every patch (
 1991). Its covariance follows from the same weights w at p, the patches' places in the robot round their weighted mean:
 the heading's variance is 1 / sum(w |p|^2), the mean place's 1 / sum(w) per axis, and the robot's center, off the
 mean by an arm, gets the heading's variance times the arm's square across it. What is left over after the fit says
-whether the weights were right for this robot, blurred or half in a shadow as it may be, and scales all of them.
+whether the weights were right for this robot, blurred or half in a shadow as it may be, and scales all of them; but
+for the size, which is free in this: patches that touch lose their seams, their centers move outwards, and no harm is
+done.
 """
 
 import math
@@ -140,8 +142,8 @@ def _fit(marker: Marker, memory: Memory, robot: Any) -> None:
     c, s = math.cos(heading), math.sin(heading)
     robot.x_m, robot.y_m = mean_x - c * model_x + s * model_y, mean_y - s * model_x - c * model_y
     robot.heading_rad = _wrapped(heading)
-    left_over = max(spread + inertia - 2.0 * math.hypot(along, across), 0.0)
-    scale = (PRIOR + left_over) / (PRIOR + freedom - 3.0)
+    left_over = max(spread - (along * along + across * across) / inertia, 0.0)
+    scale = (PRIOR + left_over) / (PRIOR + freedom - 4.0)
     arm2 = model_x * model_x + model_y * model_y
     robot.position_sd_m = math.sqrt(scale * (1.0 / weight + 0.5 * arm2 / inertia))
     robot.heading_sd_rad = math.sqrt(scale / inertia)
