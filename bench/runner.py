@@ -13,7 +13,7 @@ from typing import Any
 
 Row = dict[str, Any]
 
-BENCHMARKS = ("accuracy", "segmentation", "views", "fanout", "clients", "growing", "recovery")
+BENCHMARKS = ("accuracy", "segmentation", "loop", "views", "fanout", "clients", "growing", "recovery")
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
 KEYS = ("name", "value", "unit", "twin", "ratio", "goal", "met")
 OUT = Path(__file__).with_name("out")

@@ -127,7 +127,7 @@ class Ways:
             WHOLE: lambda number: whole.segment(frames[number], table, test)[0],
             WINDOWS: lambda number: windows.segment(frames[number], table, test, scene.windows[number])[0],
         }
-        twin, self.word = _twin(scene)
+        twin, self.word = twin_of(scene)
         if twin is not None:
             self.calls[TWIN], self.blobs[TWIN] = twin
         self.calls[MEMCPY] = lambda number: _copy(copy, frames[number])
@@ -138,7 +138,8 @@ def _copy(copy: Bytes, pixels: Bytes) -> int:
     return 0
 
 
-def _twin(scene: Scene) -> tuple[tuple[Way, Table] | None, str]:
+def twin_of(scene: Scene) -> tuple[tuple[Way, Table] | None, str]:
+    """The classic in C and the table that it fills, or None and why there is none."""
     library, word = load_twin("segmentation")
     if library is None:
         return None, word

@@ -19,7 +19,7 @@ BARE = np.full((480, 640, 3), (50, 100, 50), dtype=np.uint8)
 
 
 def seen(*robots: RobotSighting, balls: tuple[BallSighting, ...] = ()) -> Sightings:
-    return Sightings("main", 1, Instant(0), Instant(0), robots, balls, ())
+    return Sightings("main", 1, Instant(0), Instant(0), robots, balls, True)
 
 
 def robot(x_m: float, y_m: float, heading_rad: float | None, team: Team = Team.YELLOW) -> RobotSighting:

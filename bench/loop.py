@@ -1,0 +1,192 @@
+"""The whole loop, pixels to sent datagrams, against the classic segmentation of the same frames alone.
+
+Distinct frames of a simulated match (said in the output how many), rendered beforehand and looped: each is perceived
+(windows round what was there, strip, whole frame when something is missing), tracked, seen through every robot's eyes,
+written for every client and sent over loopback, one socket per client, in one process and thread, as the service's two
+processes do it one after the other. The classic, and its twin in C, take turns with the loop, frame by frame.
+"""
+
+import contextlib
+import random
+import socket
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.accuracy import TEAMS, settings_of
+from bench.runner import Row
+from bench.segmentation import Scene as SegmentScene
+from bench.segmentation import twin_of
+from vision_core.blobs.run_lengths import Segmenter
+from vision_core.capture.source import open_source
+from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
+from vision_core.geometry import Bytes
+from vision_core.net.batch import Lines
+from vision_core.net.udp import SessionSocket
+from vision_core.protocol.messages import Init
+from vision_core.settings import Settings
+from vision_core.tasks.messages import Messages
+from vision_core.tasks.perception import Perception
+from vision_core.tracks.tracking import Tracker
+from vision_core.types.image import ImageFrame
+from vision_core.types.objects import Team
+
+CASES = {("640x480", 10): 0.5, ("1280x1024", 10): 0.2, ("2048x1536", 22): None, ("1280x1024", 22): None}
+"""Size and robots: the most that the loop may take, as a share of the classic segmentation alone."""
+FRAMES = {"640x480": 400, "1280x1024": 200, "2048x1536": 80}
+ROUNDS, WARM_ROUNDS = 4, 1
+SUSTAINED = ("1280x1024", 22)
+SUSTAINED_HZ = 500.0
+PERIOD_NS = NS_PER_S // 30
+US_PER_S = 1e6
+STAGES = ("perceive", "track", "write", "send")
+
+
+@dataclass(frozen=True)
+class Client:
+    """What a session asks for."""
+
+    init: Init
+    nul: bool = False
+
+
+def run() -> list[Row]:
+    """Rows for every case."""
+    rows = []
+    for (size, robots), goal in CASES.items():
+        with _loop(size, robots) as loop:
+            rows += _measure(loop, f"{size}, {robots} robots, {len(loop.frames)} frames", goal)
+            if (size, robots) == SUSTAINED:
+                rows.append(_sustained(loop))
+    return rows
+
+
+class Loop:
+    """Everything between a frame and the last client."""
+
+    def __init__(self, settings: Settings, frames: list[Bytes], stack: contextlib.ExitStack) -> None:
+        self.settings, self.frames = settings, frames
+        self._clock = MonotonicClock()
+        self.perception = Perception(settings)
+        self._tracker = Tracker(settings.tracks, settings.robots)
+        self._messages = Messages(settings, Instant(0))
+        numbers = range(1, settings.match.numbers + 1)
+        self._clients = tuple(Client(Init(team, number)) for team in Team for number in numbers)
+        self._sockets = [_client(stack) for _ in self._clients]
+        server = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        server.bind(("127.0.0.1", 0))
+        sessions = [SessionSocket(server, "127.0.0.1", (*one.getsockname(), 0)) for one in self._sockets]
+        for session in sessions:
+            stack.callback(session.close)
+        self._lines = Lines(Instant(0), random.Random(1))
+        rows = self._lines.resize(len(sessions))
+        rows["descriptor"], rows["tick_ns"] = [session.fileno() for session in sessions], NS_PER_S // 1000
+        self._number = 0
+
+    def turn(self, frame: int) -> tuple[float, ...]:
+        """One frame: when it began, and when each stage was done [s]."""
+        self._number += 1
+        at = Instant(self._number * PERIOD_NS)
+        began = time.perf_counter()
+        seen = self.perception.perceive(ImageFrame("main", self._number, at, self.frames[frame]), self._clock)
+        perceived = time.perf_counter()
+        world = self._tracker.update(seen)
+        tracked = time.perf_counter()
+        batch = self._messages.write(world, self._clients, self._lines.due(at))
+        written = time.perf_counter()
+        self._lines.send(at, batch)
+        return began, perceived, tracked, written, time.perf_counter()
+
+    def drain(self) -> int:
+        """Take what the clients have got; how many datagrams it was."""
+        taken = 0
+        for client in self._sockets:
+            with contextlib.suppress(BlockingIOError):
+                while client.recv(4096):
+                    taken += 1
+        return taken
+
+
+@contextlib.contextmanager
+def _loop(size: str, robots: int) -> Iterator[Loop]:
+    per_team = TEAMS[robots]
+    settings = settings_of(size, {"synthetic.robots_per_team": per_team, "match.numbers": per_team})
+    source = open_source(settings, ManualClock(), paced=False)
+    frames = []
+    for _ in range(FRAMES[size]):
+        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+        source.grab(pixels)
+        frames.append(pixels)
+    source.close()
+    with contextlib.ExitStack() as stack:
+        yield Loop(settings, frames, stack)
+
+
+def _client(stack: contextlib.ExitStack) -> socket.socket:
+    client = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+    client.bind(("127.0.0.1", 0))
+    client.setblocking(False)
+    return client
+
+
+def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
+    camera, table = loop.settings.camera, loop.perception.table
+    classic = Segmenter(camera.width_px, camera.height_px, loop.settings.blobs)
+    candidates = loop.perception.eyes.candidates
+    twin, _ = twin_of(SegmentScene(loop.settings, table, candidates, loop.frames, [], 1))
+    times, ours, others = [], [], []
+    count, sent = len(loop.frames), 0
+    for turn in range((WARM_ROUNDS + ROUNDS) * count):
+        times.append(loop.turn(turn % count))
+        sent += loop.drain()
+        began = time.perf_counter()
+        classic.fill(loop.frames[(turn + count // 3) % count], table)
+        ours.append(time.perf_counter() - began)
+        if twin is not None:
+            began = time.perf_counter()
+            twin[0]((turn + 2 * count // 3) % count)
+            others.append(time.perf_counter() - began)
+    stamps = np.array(times[WARM_ROUNDS * count :])
+    took = np.diff(stamps, axis=1)
+    whole, alone = float(np.median(took.sum(axis=1))), float(np.median(ours[WARM_ROUNDS * count :]))
+    rows: list[Row] = [_row(f"{name}: pixels to sent, classic segmentation alone", whole, alone, goal)]
+    if others:
+        in_c = float(np.median(others[WARM_ROUNDS * count :]))
+        rows.append(_row(f"{name}: pixels to sent, classic segmentation in C alone", whole, in_c, None))
+    for stage, seconds in zip(STAGES, np.median(took, axis=0).tolist(), strict=True):
+        rows.append({"name": f"{name}: {stage}", "value": seconds * US_PER_S, "unit": "us"})
+    rows.append({"name": f"{name}: datagrams per frame", "value": round(sent / len(times), 2), "unit": ""})
+    return rows
+
+
+def _sustained(loop: Loop) -> Row:
+    """Frames a second with nothing in between but taking the clients' datagrams, which is counted."""
+    count = len(loop.frames)
+    began = time.perf_counter()
+    for turn in range(ROUNDS * count):
+        loop.turn(turn % count)
+        loop.drain()
+    rate = ROUNDS * count / (time.perf_counter() - began)
+    size, robots = SUSTAINED
+    name = f"{size}, {robots} robots, {count} frames: sustained, clients' receiving included"
+    return {
+        "name": name,
+        "value": round(rate, 1),
+        "unit": "1/s",
+        "goal": f">= {SUSTAINED_HZ:g} 1/s",
+        "met": rate >= SUSTAINED_HZ,
+    }
+
+
+def _row(name: str, took: float, other: float, goal: float | None) -> Row:
+    judged: Row = {} if goal is None else {"goal": f"<= {goal:g}x", "met": took <= goal * other}
+    return {
+        "name": name,
+        "value": took * US_PER_S,
+        "unit": "us",
+        "twin": other * US_PER_S,
+        "ratio": took / other,
+    } | judged
