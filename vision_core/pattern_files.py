@@ -100,6 +100,19 @@ def load_pattern(name: str) -> Pattern:
     return pattern
 
 
+def scaled(pattern: Pattern, factor: float) -> Pattern:
+    """The same marker, larger or smaller."""
+    patches = tuple(
+        msgspec.structs.replace(
+            patch,
+            circle_mm=tuple(factor * number for number in patch.circle_mm) if patch.circle_mm else None,
+            polygon_mm=tuple((factor * x, factor * y) for x, y in patch.polygon_mm) if patch.polygon_mm else None,
+        )
+        for patch in pattern.patches
+    )
+    return msgspec.structs.replace(pattern, patches=patches)
+
+
 def looks(pattern: Pattern) -> Iterator[tuple[Team, int, tuple[str, ...]]]:
     """Team, id and the colors of the patches of every robot that can wear a pattern."""
     for team in Team:

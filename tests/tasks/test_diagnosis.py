@@ -53,8 +53,8 @@ def test_nothing_is_said_about_a_good_picture(image: Bytes) -> None:
 
 
 BROKEN_VENUES: dict[str, tuple[dict[str, Any], str]] = {
-    "camera 30 % too low": ({"camera__pinhole__position_m": [0.06, -0.04, 2.6]}, "area"),
-    "camera 40 % too high": ({"camera__pinhole__position_m": [0.06, -0.04, 5.4]}, "area"),
+    "camera 30 % too low": ({"camera__pinhole__position_m": [0.06, -0.04, 2.6]}, "camera height"),
+    "camera 40 % too high": ({"camera__pinhole__position_m": [0.06, -0.04, 5.4]}, "camera height"),
     "another field": ({"field_preset": "ssl-division-b"}, "field 'ssl-division-b'"),
     "a field a little too small": ({"field__length_m": 2.3, "field__width_m": 1.9}, "painted lines"),
     "yellow and pink swapped": (
@@ -65,7 +65,10 @@ BROKEN_VENUES: dict[str, tuple[dict[str, Any], str]] = {
         {"colors__classes": {"orange": [{"value": [0.3, 1.0]}]} | {k: v for k, v in CLASSES.items() if k != "orange"}},
         "claim",
     ),
-    "markers of another league": ({"robots__pattern": "vsss-three-patch", "colors__classes": None}, "ssl-standard"),
+    "markers of another league": (
+        {"robots__pattern": "mirosot-tile", "colors__classes": CLASSES | {"pale": []}},
+        "ssl-standard",
+    ),
     "a ball three times too large": ({"ball__radius_m": 0.065}, "ball"),
     "dots must be larger than they are": ({"robots__min_area": 1.6}, "area"),
     "a camera that looks elsewhere": ({"camera__pinhole__position_m": [6.0, 0.0, 3.75]}, "nothing of the field"),

@@ -1,7 +1,9 @@
 """Why robots are not seen, or not read: in words, for people. Slow, and never part of the hot path."""
 
+import contextlib
 import math
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,12 +13,12 @@ import numpy as np
 from vision_core.camera_kernels import CameraMap, pixel_from_field, pixels_per_square_metre
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
-from vision_core.objects.finder_memory import ANCHOR, FIRST_SLOT, HEADING, MATCHED, SCORE, X, Y
-from vision_core.objects.markers import REFUSED, Marker
+from vision_core.objects.finder_memory import ANCHOR, FIRST_SLOT, HEADING, MATCHED, SCORE, X, Y, take_memory
+from vision_core.objects.markers import REFUSED, Marker, marker_of
 from vision_core.objects.poses import code_of
 from vision_core.objects.proposals import place_blobs, propose
-from vision_core.objects.robot_finder import RobotFinder, find_robots, robot_finder
-from vision_core.pattern_files import load_pattern
+from vision_core.objects.robot_finder import RobotFinder, find_robots, gates_from, robot_finder
+from vision_core.pattern_files import load_pattern, scaled
 from vision_core.settings import Settings, TeamRobotSettings
 from vision_core.settings_files import config_folder
 from vision_core.settings_models import robots_of
@@ -26,6 +28,8 @@ from vision_core.types.tables import MOST_ROBOTS, NO_ID, ROBOT, TEAMS, Table
 NUMERALS = {2: "two", 3: "three", 4: "four"}
 SAME_PLACE_M = 0.5
 """In robots' radii: an anchor that is nearer to a seen robot's center belongs to it."""
+SIZES = tuple(round(1.06**step, 2) for step in range(-12, 13) if step)
+"""Tried of markers, when they are not read: half to double."""
 BETTER = 1.3
 """So much more must another pattern explain to be named."""
 MOST_SAID = 3
@@ -121,9 +125,18 @@ def _why_unread(
 
 
 def _other_patterns(scene: Scene, robots: Table, settings: Settings) -> list[str]:
-    """The shipped pattern that would read most robots, if it reads clearly more."""
-    now = _gain(robots)
-    best, best_gain, read = "", BETTER * now, 0
+    """The shipped pattern, or the size of the own one, that would read most robots, if it reads clearly more."""
+    best, best_gain, read = "", BETTER * _gain(robots), 0
+    for name, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
+        seen = scene.robots(finder)
+        ids = int((seen["id"] != NO_ID).sum())
+        if ids and (gain := _gain(seen)) > best_gain:
+            best, best_gain, read = name, gain, ids
+    return [f"{best} {read} {_plural(read, 'robot')} would be read"] if best else []
+
+
+def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
+    """Of every shipped pattern that wears no colors but those that have a class here."""
     worn = {robots_of(settings.robots, team).pattern for team in TEAMS}
     for path in sorted((config_folder() / "patterns").glob("*.toml")):
         if path.stem in worn:
@@ -133,16 +146,26 @@ def _other_patterns(scene: Scene, robots: Table, settings: Settings) -> list[str
             pattern=path.stem, outline=shape.outline, radius_m=shape.radius_m, height_m=shape.height_m
         )
         other = msgspec.structs.replace(settings.robots, blue=team, yellow=team)
-        try:
+        with contextlib.suppress(SettingsError):
             finder = robot_finder(msgspec.structs.replace(settings, robots=other), scene.table)
-        except SettingsError:
-            continue  # it wears colors that have no class here
-        seen = scene.robots(finder)
-        if (gain := _gain(seen)) > best_gain:
-            best, best_gain, read = path.stem, gain, int((seen["id"] != NO_ID).sum())
-    if not best:
-        return []
-    return [f"markers of another league? With robots.pattern {best!r} {read} {_plural(read, 'robot')} would be read"]
+            yield f"markers of another league? With robots.pattern {path.stem!r}", finder
+
+
+def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
+    """Of markers that look larger or smaller than they are: what a wrong camera makes of them."""
+    memory = take_memory(settings.blobs.max_blobs)
+    for factor in SIZES:
+        blue, yellow = (
+            marker_of(
+                scaled(load_pattern(robots.pattern), factor), robots, team, number, scene.table,
+                settings.robots.dot_tolerance_m,
+            )
+            for number, team in enumerate(TEAMS)
+            for robots in [robots_of(settings.robots, team)]
+        )  # fmt: skip
+        area = f"blobs have {factor**2:.1f} of the area predicted"
+        name = f"wrong camera height, or size of the field? {area}; were markers {factor:.2f} times as large,"
+        yield name, RobotFinder((blue, yellow), gates_from(settings.robots), memory)
 
 
 def _gain(robots: Table) -> float:

@@ -14,7 +14,8 @@ ALIKE = 2.5
 DARK, BLACK = 100.0, 30.0
 """Grey levels that something on a field reaches: a line, a marker, a ball."""
 WHITE = 250
-MOST_WHITE = 0.15
+MOST_WHITE, MOST_AT_END = 0.15, 0.4
+"""Share of the field in which two channels may be at the sensor's end, and one."""
 
 
 def field_pixels(field: FieldSettings, camera: CameraModel, size_px: tuple[int, int]) -> Floats:
@@ -45,7 +46,7 @@ def exposure_reasons(pixels: Bytes, points_px: Floats) -> tuple[str, ...]:
         return ("the picture shows nothing: every pixel of the field has the same color",)
     if brightest < DARK:
         return (f"too dark: nothing on the field is brighter than {brightest:.0f} of 255 (lamps, exposure?)",)
-    white = float((np.sort(seen, axis=1)[:, 1] >= WHITE).mean())
-    if white > MOST_WHITE:
-        return (f"over-exposed: {white:.0%} of the field is white (exposure, gain?)",)
+    _, two, one = (np.sort(seen, axis=1) >= WHITE).mean(axis=0).tolist()
+    if two > MOST_WHITE or one > MOST_AT_END:
+        return (f"over-exposed: {one:.0%} of the field is as bright as the sensor can tell (exposure, gain?)",)
     return ()

@@ -3,6 +3,7 @@
 Slow, and so never on the hot path: for stills every time, in the service by a process of its own.
 """
 
+from vision_core.blobs.run_lengths import Segmenter
 from vision_core.objects.ball_reasons import explain_balls
 from vision_core.objects.robot_reasons import Scene, explain_robots
 from vision_core.regions.exposure import exposure_reasons, field_pixels
@@ -24,8 +25,10 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     table = SightingsTable.of(seen)
     light = (perception.lighting.light.reason,) if perception.lighting.light.reason else ()
     overflow = () if seen.complete else (OVERFLOW,)
+    every = Segmenter(*size, settings.blobs)  # also classes that only other leagues' markers wear
+    count, _ = every.fill(pixels, perception.table)
+    robots = explain_robots(Scene(every.blobs[:count], pixels, perception.table, eyes.camera), settings)
     blobs, count = perception.blobs, perception.blob_count
-    robots = explain_robots(Scene(blobs[:count], pixels, perception.table, eyes.camera), settings)
     balls = explain_balls(
         blobs, count, pixels, eyes.classes, eyes.camera, table.robots, len(seen.robots), eyes.balls, settings.ball.color
     )
