@@ -38,7 +38,6 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.opencv import Color, draw_line, draw_text, write_picture
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from
-from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
 
@@ -112,9 +111,9 @@ def measure(settings: Settings, frames: int) -> Measured:
         places = {name: tracker.predict(at) for name, tracker in trackers.items()}
         found, spent = _grow(trackers, pixels, at, measured.frames)
         start = time.thread_time_ns()
-        blobs = segmenter.segment(pixels, table)
+        count, _ = segmenter.segment(pixels, table)
         measured.table_us.append((time.thread_time_ns() - start) / 1e3)
-        _count(measured, _twins(settings, table, pixels, carpet, blobs, places), found)
+        _count(measured, _twins(settings, table, pixels, carpet, segmenter.blobs[:count], places), found)
         measured.frames += 1
         measured.covered.append(covered)
         measured.ball_us.append(spent[BALL])
@@ -212,7 +211,7 @@ def _twins(
     table: ColorTable,
     pixels: Bytes,
     carpet: Table,
-    blobs: Blobs,
+    blobs: Table,
     places: dict[str, tuple[float, float]],
 ) -> dict[str, Place]:
     """For each object the valid blob that is nearest to where it was predicted."""
@@ -221,23 +220,23 @@ def _twins(
         is_ball, limits = name in (BALL, SEED), _limits(settings, name)
         color = settings.ball.color if is_ball else name.split()[0]
         valid = np.flatnonzero(
-            (blobs.color == table.index(color))
-            & (blobs.area_px >= limits.min_area_px)
-            & (blobs.area_px <= limits.max_area_px)
+            (blobs["color"] == table.index(color))
+            & (blobs["area_px"] >= limits.min_area_px)
+            & (blobs["area_px"] <= limits.max_area_px)
         )
         if is_ball:
-            valid = valid[[_carpet_share(pixels, carpet, blobs, blob) >= MIN_AROUND for blob in valid.tolist()]]
-        far = np.hypot(*(blobs.center_px[valid] - place).T)
+            valid = valid[[_carpet_share(pixels, carpet, blobs[blob]) >= MIN_AROUND for blob in valid.tolist()]]
+        far = np.hypot(blobs["x_px"][valid] - place[0], blobs["y_px"][valid] - place[1])
         best = valid[far.argmin()] if len(valid) else None
-        twins[name] = None if best is None else (float(blobs.area_px[best]), *blobs.center_px[best].tolist())
+        twins[name] = None if best is None else blobs[["area_px", "x_px", "y_px"]][best].item()
     return twins
 
 
-def _carpet_share(pixels: Bytes, carpet: Table, blobs: Blobs, blob: int) -> float:
+def _carpet_share(pixels: Bytes, carpet: Table, blob: Table) -> float:
     """Share of points on a circle round a blob that show carpet."""
-    radius = RING_RADII * math.sqrt(blobs.area_px[blob] / math.pi)
+    radius = RING_RADII * math.sqrt(blob["area_px"] / math.pi)
     turn = np.arange(RING_POINTS) * (math.tau / RING_POINTS)
-    ring = blobs.center_px[blob] + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    ring = (blob["x_px"], blob["y_px"]) + radius * np.column_stack([np.cos(turn), np.sin(turn)])
     height, width, _ = pixels.shape
     x, y = np.clip(ring.round().astype(int), 0, (width - 1, height - 1)).T
     luma, cb, cr = ycc_from_bgr(pixels[y, x]).T

@@ -123,7 +123,7 @@ class Ways:
         table, test = scene.table, scene.candidates
         self.blobs: dict[str, Table] = {CLASSIC: classic.blobs, WHOLE: whole.blobs, WINDOWS: windows.blobs}
         self.calls: dict[str, Way] = {
-            CLASSIC: lambda number: classic.fill(frames[number], table)[0],
+            CLASSIC: lambda number: classic.segment(frames[number], table)[0],
             WHOLE: lambda number: whole.segment(frames[number], table, test)[0],
             WINDOWS: lambda number: windows.segment(frames[number], table, test, scene.windows[number])[0],
         }

@@ -6,8 +6,11 @@ of it has a name here: ``intrinsic`` makes a function of instructions that Pytho
 
 import os
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, cast
 
+import numpy as np
+
+from vision_core.geometry import Array
 from vision_core.kernel_cache import kernel_folder
 
 P = ParamSpec("P")
@@ -32,6 +35,13 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function for the hot path: no Python objects inside, cached on disk."""
     compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     return compiled  # type: ignore[no-any-return]
+
+
+def read_only(array: Array) -> Array:
+    """One memory layout for a kernel, which is compiled anew for every other: frames come read-only or not."""
+    view = np.ascontiguousarray(array).view()
+    view.setflags(write=False)
+    return cast("Array", view)
 
 
 def external(name: str, signature: str) -> Any:

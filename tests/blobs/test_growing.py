@@ -26,8 +26,8 @@ from vision_core.blobs.run_lengths import Segmenter
 from vision_core.clock import Instant, after
 from vision_core.geometry import Bytes
 from vision_core.settings_files import load_settings
-from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
+from vision_core.types.tables import Table
 
 CLASSES = ((np.arange(65536) >> 11) * 8 // 64).astype(np.uint8)
 CLASSES.setflags(write=False)
@@ -57,10 +57,12 @@ def found(
     return share, used.blob[0]
 
 
-def segmented(labels: Labels) -> Blobs:
+def segmented(labels: Labels) -> Table:
     height, width = labels.shape
     chosen = replace(load_settings().blobs, min_area_px=1)
-    return Segmenter(width, height, chosen).segment(picture(labels), TABLE)
+    segmenter = Segmenter(width, height, chosen)
+    count, _ = segmenter.segment(picture(labels), TABLE)
+    return segmenter.blobs[:count]
 
 
 def disc(labels: Labels, x: float, y: float, radius: float, number: int = 1) -> NDArray[np.bool_]:
@@ -80,16 +82,14 @@ def test_a_region_is_what_segmentation_says(density: float) -> None:
     for _ in range(10):
         labels = rng.integers(1, 4, (37, 53)) * (rng.random((37, 53)) < density)
         blobs = segmented(labels)
-        chosen = blobs.color == 1
-        columns = np.column_stack([blobs.area_px, blobs.center_px, blobs.box_px])[chosen]
+        expected = np.array(blobs[blobs["color"] == 1].tolist())
         for y, x in np.argwhere(labels == 1)[::7].tolist():
             share, blob = found(labels, (x, y), GrowingLimits(1, 9999), memory=memory)
             left, top, right, bottom = box_of(blob)
             assert (share, blob["color"]) == (1.0, 1)
             assert left <= x <= right
             assert top <= y <= bottom
-            row = [blob[name] for name in ("area_px", "x_px", "y_px", "left", "top", "right", "bottom")]
-            assert np.isclose(columns, row).all(axis=1).sum() == 1
+            assert np.isclose(expected, blob.tolist()).all(axis=1).sum() == 1
 
 
 def test_every_pixel_of_a_region_leads_to_the_same_region() -> None:
@@ -142,9 +142,9 @@ def test_the_nearest_valid_region_is_found(discs: list[tuple[int, int, float]], 
     limits = GrowingLimits(20, 120)
     blobs, step = segmented(labels), step_for(20)
     rings = {}
-    for index in range(len(blobs)):
-        if 20 <= blobs.area_px[index] <= 120:
-            left, top, right, bottom = blobs.box_px[index].tolist()
+    for blob in blobs:
+        if 20 <= blob["area_px"] <= 120:
+            left, top, right, bottom = box_of(blob)
             distance = max(left - start[0], start[0] - right, top - start[1], start[1] - bottom, 0)
             rings[left, top, right, bottom] = distance
     share, blob = found(labels, start, limits)

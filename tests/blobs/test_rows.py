@@ -48,7 +48,7 @@ def tall(blobs: Table, height_px: int) -> Rows:
 def classic(pixels: Bytes, table: ColorTable, chosen: BlobSettings) -> Table:
     height, width, _ = pixels.shape
     segmenter = Segmenter(width, height, chosen)
-    count, complete = segmenter.fill(pixels, table)
+    count, complete = segmenter.segment(pixels, table)
     assert complete
     return segmenter.blobs[:count]
 

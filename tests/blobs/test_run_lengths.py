@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.geometry import Bytes
 from vision_core.settings import BlobSettings
-from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
+from vision_core.types.tables import Table
 
 GREYS = 4
 """Classes 1..3 are the blue levels 64, 128 and 192; everything darker is class 0."""
@@ -33,9 +33,12 @@ def settings(min_area_px: int = 1, max_runs: int = 5000, max_blobs: int = 2000) 
     )
 
 
-def segmented(labels: NDArray[np.int64], chosen: BlobSettings | None = None) -> Blobs:
+def segmented(labels: NDArray[np.int64], chosen: BlobSettings | None = None) -> tuple[Table, bool]:
+    """The blobs, and whether all had room."""
     height, width = labels.shape
-    return Segmenter(width, height, chosen or settings()).segment(picture(labels), blue_table())
+    segmenter = Segmenter(width, height, chosen or settings())
+    count, complete = segmenter.segment(picture(labels), blue_table())
+    return segmenter.blobs[:count], complete
 
 
 def flooded(labels: NDArray[np.int64]) -> list[Row]:
@@ -63,11 +66,6 @@ def flooded(labels: NDArray[np.int64]) -> list[Row]:
     return rows
 
 
-def as_rows(blobs: Blobs) -> list[Row]:
-    columns = np.column_stack([blobs.color, blobs.area_px, blobs.center_px, blobs.box_px])
-    return [tuple(row) for row in columns.tolist()]
-
-
 @pytest.mark.parametrize("density", [0.05, 0.3, 0.45, 0.6, 0.95])
 @pytest.mark.parametrize("shape", [(1, 40), (40, 1), (37, 53)])
 def test_agrees_with_flood_fill(density: float, shape: tuple[int, int]) -> None:
@@ -75,19 +73,11 @@ def test_agrees_with_flood_fill(density: float, shape: tuple[int, int]) -> None:
     for classes in (1, 3):
         for _ in range(5):
             labels = rng.integers(1, classes + 1, shape) * (rng.random(shape) < density)
-            blobs = segmented(labels)
-            assert blobs.complete
+            blobs, complete = segmented(labels)
+            assert complete
             expected = flooded(labels)
             assert len(blobs) == len(expected)
-            assert np.array(as_rows(blobs)) == pytest.approx(np.array(expected), abs=1e-9)
-
-
-def test_the_table_holds_the_same_as_the_record() -> None:
-    labels = np.random.default_rng(3).integers(0, 4, (40, 60))
-    segmenter = Segmenter(60, 40, settings())
-    blobs = segmenter.segment(picture(labels), blue_table())
-    assert segmenter.fill(picture(labels), blue_table()) == (len(blobs), blobs.complete)
-    assert segmenter.blobs[: len(blobs)].tolist() == as_rows(blobs)
+            assert np.array(blobs.tolist()) == pytest.approx(np.array(expected), abs=1e-9)
 
 
 def test_a_comb_becomes_one_blob() -> None:
@@ -95,14 +85,14 @@ def test_a_comb_becomes_one_blob() -> None:
     comb[:, ::2] = 1
     comb[-1] = 1
     comb[0, ::4] = 2
-    blobs = segmented(comb)
-    assert np.array(as_rows(blobs)) == pytest.approx(np.array(flooded(comb)))
-    assert (blobs.color == 1).sum() == 1
+    blobs, _ = segmented(comb)
+    assert np.array(blobs.tolist()) == pytest.approx(np.array(flooded(comb)))
+    assert (blobs["color"] == 1).sum() == 1
 
 
 def test_diagonal_neighbors_touch() -> None:
-    assert len(segmented(np.eye(9, dtype=np.int64))) == 1
-    assert len(segmented(np.eye(9, dtype=np.int64)[::-1].copy())) == 1
+    assert len(segmented(np.eye(9, dtype=np.int64))[0]) == 1
+    assert len(segmented(np.eye(9, dtype=np.int64)[::-1].copy())[0]) == 1
 
 
 def test_small_blobs_are_left_out() -> None:
@@ -110,29 +100,30 @@ def test_small_blobs_are_left_out() -> None:
     labels[2, 2:5] = 1
     labels[2, 10:14] = 1
     labels[6, 20] = 2
-    assert segmented(labels, settings(min_area_px=4)).area_px.tolist() == [4]
+    assert segmented(labels, settings(min_area_px=4))[0]["area_px"].tolist() == [4]
 
 
-def test_memory_is_reused_and_results_are_kept() -> None:
-    segmenter = Segmenter(30, 10, settings())
-    first = np.zeros((10, 30), dtype=np.int64)
-    first[3:6, 3:9] = 1
-    kept = segmenter.segment(picture(first), blue_table())
-    before = as_rows(kept)
-    assert len(segmenter.segment(picture(np.roll(first, 5, axis=1) * 2), blue_table())) == 1
-    assert as_rows(kept) == before
+def test_nothing_of_the_picture_before_is_left() -> None:
+    rng = np.random.default_rng(3)
+    segmenter = Segmenter(60, 40, settings())
+    for density in (0.6, 0.05, 0.3):
+        labels = rng.integers(1, 4, (40, 60)) * (rng.random((40, 60)) < density)
+        count, complete = segmenter.segment(picture(labels), blue_table())
+        blobs, fitted = segmented(labels)
+        assert segmenter.blobs[:count].tolist() == blobs.tolist()
+        assert complete == fitted
 
 
 @pytest.mark.parametrize(("max_runs", "max_blobs"), [(100, 2000), (5000, 10)])
 def test_overflow_keeps_what_fits_and_says_so(max_runs: int, max_blobs: int) -> None:
     labels = np.zeros((41, 41), dtype=np.int64)
     labels[::2, ::2] = 1
-    blobs = segmented(labels, settings(max_runs=max_runs, max_blobs=max_blobs))
-    assert not blobs.complete
+    blobs, complete = segmented(labels, settings(max_runs=max_runs, max_blobs=max_blobs))
+    assert not complete
     assert len(blobs) == min(max_runs, max_blobs)
-    assert as_rows(blobs) == flooded(labels)[: len(blobs)]
-    full = segmented(labels, settings(max_runs=441, max_blobs=441))
-    assert full.complete
+    assert blobs.tolist() == flooded(labels)[: len(blobs)]
+    full, complete = segmented(labels, settings(max_runs=441, max_blobs=441))
+    assert complete
     assert len(full) == 441
 
 

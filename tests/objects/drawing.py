@@ -9,13 +9,11 @@ from vision_core.blobs.run_lengths import Segmenter
 from vision_core.camera_model import CameraModel, PinholeCamera
 from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.geometry import Bytes, Floats, frozen, rotation
-from vision_core.objects.patterns import Marker, marker_from
 from vision_core.pattern_files import CODE, TEAM, Pattern, load_pattern
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
-from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
-from vision_core.types.tables import BLOB, Table
+from vision_core.types.tables import Table
 
 Color = tuple[int, int, int]
 
@@ -36,9 +34,8 @@ PAINTS: dict[str, Color] = {
 
 SETTINGS: Settings = load_settings()
 TABLE = compile_color_table(SETTINGS.colors)
-MARKER: Marker = marker_from(load_pattern(SETTINGS.robots.pattern))
-CODES = load_pattern(SETTINGS.robots.pattern).code_by_id
-COLORS_BY_INITIAL = {"G": "green", "P": "pink"}
+STANDARD = load_pattern(SETTINGS.robots.pattern)
+CODES = STANDARD.code_by_id
 
 SUBPIXELS = 4
 
@@ -57,16 +54,6 @@ def paint_table() -> ColorTable:
 
 
 PAINT_TABLE = paint_table()
-
-
-def blob_table(blobs: Blobs) -> Table:
-    """The same blobs as kernels take them."""
-    rows = np.zeros(len(blobs), dtype=BLOB)
-    rows["color"], rows["area_px"] = blobs.color, blobs.area_px
-    rows["x_px"], rows["y_px"] = blobs.center_px.T
-    for side, column in zip(("left", "top", "right", "bottom"), blobs.box_px.T, strict=True):
-        rows[side] = column
-    return rows
 
 
 def overhead_camera(metres_per_pixel: float, width: int, height: int) -> CameraModel:
@@ -141,14 +128,8 @@ class Picture:
                 self.paint_polygon(paint, place + np.array(patch.polygon_mm) / 1000.0 @ turn.T, robot.height_m)
 
     def paint_robot(self, team: str, code: str, x_m: float, y_m: float, heading_rad: float) -> None:
-        """A robot's top with its marker; "-" in the code leaves a dot away."""
-        height = SETTINGS.robots.height_m
-        self.paint_disc("body", x_m, y_m, SETTINGS.robots.radius_m, height)
-        self.paint_disc(team, x_m, y_m, 0.025, height)
-        for letter, slot in zip(code, MARKER.slots_m, strict=True):
-            if letter != "-":
-                u, v = rotation(heading_rad) @ slot
-                self.paint_disc(COLORS_BY_INITIAL[letter], x_m + u, y_m + v, 0.02, height)
+        """A robot's top with the standard pattern."""
+        self.paint_pattern(STANDARD, team, code, (x_m, y_m, heading_rad))
 
     def paint_ball(self, x_m: float, y_m: float) -> None:
         radius = SETTINGS.ball.radius_m
@@ -159,8 +140,11 @@ class Picture:
         noisy = self.pixels + np.random.default_rng(seed).normal(0.0, noise, self.pixels.shape)
         return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
-    def blobs(self, noise: float = 2.0, seed: int = 1, table: ColorTable = TABLE) -> Blobs:
-        return Segmenter(self.width, self.height, SETTINGS.blobs).segment(self.as_bytes(noise, seed), table)
+    def blobs(self, noise: float = 2.0, seed: int = 1, table: ColorTable = TABLE) -> Table:
+        """BLOB table, shape (n,)."""
+        segmenter = Segmenter(self.width, self.height, SETTINGS.blobs)
+        count, _ = segmenter.segment(self.as_bytes(noise, seed), table)
+        return segmenter.blobs[:count]
 
 
 def turn_between(one_rad: float | None, other_rad: float) -> float:

@@ -1,9 +1,9 @@
-"""Finding robots in drawn pictures by the compiled path, for the tests of this folder."""
+"""Finding robots in drawn pictures, for the tests of this folder."""
 
 import msgspec
 import numpy as np
 
-from tests.objects.drawing import PAINT_TABLE, SETTINGS, Picture, blob_table, overhead_camera
+from tests.objects.drawing import PAINT_TABLE, SETTINGS, Picture, overhead_camera
 from vision_core.camera_kernels import camera_map_from
 from vision_core.objects.robot_finder import RobotFinder, robot_finder
 from vision_core.objects.robot_reasons import Scene
@@ -45,7 +45,7 @@ def middle(drawn: Picture, height_m: float) -> tuple[float, float]:
 
 def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1) -> Scene:
     pixels = drawn.as_bytes(noise, seed)
-    blobs = blob_table(drawn.blobs(noise, seed, PAINT_TABLE))
+    blobs = drawn.blobs(noise, seed, PAINT_TABLE)
     return Scene(blobs, pixels, PAINT_TABLE, camera_map_from(drawn.camera))
 
 

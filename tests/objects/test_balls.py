@@ -1,4 +1,4 @@
-"""The ball's gates, one by one, on small drawn pictures, compiled; and its center and deviation against the truth."""
+"""The ball's gates, one by one, on small drawn pictures, and its center and deviation against the truth."""
 
 import math
 from typing import Any
@@ -21,9 +21,8 @@ from vision_core.objects.balls import BallFinder, ball_finder, find_balls
 from vision_core.settings import BallSettings, ColorRange, FieldSettings, Settings
 from vision_core.settings_files import load_settings
 from vision_core.settings_models import camera_model_from
-from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
-from vision_core.types.tables import BALL, BLOB, MOST_BALLS, ROBOT, Table
+from vision_core.types.tables import BALL, MOST_BALLS, ROBOT, Table
 
 WIDTH, HEIGHT = 100, 80
 RADIUS = SETTINGS.ball.radius_m
@@ -44,16 +43,6 @@ def place(drawn: Picture) -> Place:
 
 def ball_settings(**changes: object) -> BallSettings:
     return msgspec.structs.replace(SETTINGS.ball, **changes)
-
-
-def table_of(blobs: Blobs) -> Table:
-    """Blobs as the table that kernels take."""
-    rows = np.zeros(len(blobs), dtype=BLOB)
-    rows["color"], rows["area_px"] = blobs.color, blobs.area_px
-    rows["x_px"], rows["y_px"] = blobs.center_px.T
-    for side, values in zip(("left", "top", "right", "bottom"), blobs.box_px.T, strict=True):
-        rows[side] = values
-    return rows
 
 
 def search(
@@ -79,7 +68,7 @@ def found(
     for row, (x_m, y_m) in zip(rows, robots, strict=True):
         row["x_m"], row["y_m"] = x_m, y_m
     finder = ball_finder(msgspec.structs.replace(SETTINGS, ball=ball, field=field), table)
-    return search(table_of(drawn.blobs()), drawn.as_bytes(), drawn.camera, rows, finder, table, room)
+    return search(drawn.blobs(), drawn.as_bytes(), drawn.camera, rows, finder, table, room)
 
 
 def test_a_ball_is_found_at_its_point_on_the_floor(drawn: Picture, place: Place) -> None:
@@ -227,8 +216,8 @@ def rendered(settings: Settings, frames: int) -> list[tuple[float, float, float]
     for _ in range(frames):
         source.grab(pixels)
         ball = source.truth.ball
-        blobs = table_of(segmenter.segment(pixels, table))
-        count = find_balls(blobs, len(blobs), pixels, table.classes, camera, no_robots, 0, finder, balls)
+        blobs, _ = segmenter.segment(pixels, table)
+        count = find_balls(segmenter.blobs, blobs, pixels, table.classes, camera, no_robots, 0, finder, balls)
         near = [one for one in balls[:count] if math.hypot(one["x_m"] - ball.x_m, one["y_m"] - ball.y_m) < 0.02]
         if near and ball.visible_share == 1.0:
             errors.append((near[0]["x_m"] - ball.x_m, near[0]["y_m"] - ball.y_m, float(near[0]["position_sd_m"])))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.lib.recfunctions import structured_to_unstructured
 
 from tests.objects.drawing import PAINTS
 from vision_core.blobs.run_lengths import Segmenter
@@ -112,7 +113,8 @@ def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
     refined, plain, sds = [], [], []
     for _ in range(frames):
         source.grab(pixels)
-        centers = segmenter.segment(pixels, table).center_px
+        count, _ = segmenter.segment(pixels, table)
+        centers = structured_to_unstructured(segmenter.blobs[["x_px", "y_px"]][:count])
         for robot in source.truth.robots:
             c, s = math.cos(robot.heading_rad), math.sin(robot.heading_rad)
             places = slots[:, :2] @ np.array([[c, s], [-s, c]]) + (robot.x_m, robot.y_m)

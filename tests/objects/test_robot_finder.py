@@ -2,14 +2,17 @@
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 
 from tests.objects.drawing import PAINT_TABLE, Picture, turn_between
-from tests.objects.finding import SHIPPED, empty_picture, finder_of, middle, scene_of, seen_in
+from tests.objects.finding import SHIPPED, empty_picture, finder_of, middle, scene_of, seen_in, settings_of
 from vision_core.camera_kernels import camera_map_from
-from vision_core.objects.robot_finder import find_robots
+from vision_core.objects.robot_finder import find_robots, robot_finder
 from vision_core.pattern_files import CODE, load_pattern
+from vision_core.settings_models import robots_of
+from vision_core.types.objects import Team
 from vision_core.types.tables import BLOB, MOST_ROBOTS, NO_ID, ROBOT, Table
 
 BLUE, YELLOW = range(2)
@@ -181,6 +184,18 @@ def test_order_of_blobs_does_not_matter() -> None:
     assert ids(before) == ids(after) == [(BLUE, 5), (YELLOW, 9)]
     for column in ("x_m", "y_m", "heading_rad"):
         assert after[column] == pytest.approx(before[column], abs=1e-9)
+
+
+def test_a_marker_that_is_higher_is_nearer_to_the_camera() -> None:
+    """Parallax: the same picture, taken as twice as high, shows a robot nearer to the camera's foot."""
+    drawn, x, y = ssl_picture()
+    drawn.paint_robot("blue", CODES[0], x, y, 0.0)
+    settings = settings_of("ssl-standard")
+    blue = msgspec.structs.replace(robots_of(settings.robots, Team.BLUE), height_m=2.0 * SSL.robot.height_m)
+    robots = msgspec.structs.replace(settings.robots, blue=blue)
+    (high,) = seen_in(drawn, robot_finder(msgspec.structs.replace(settings, robots=robots), PAINT_TABLE))
+    foot = drawn.camera.position_m[:2]
+    assert math.dist((high["x_m"], high["y_m"]), foot) < math.dist((x, y), foot) - 0.001
 
 
 def cloth_of_dots(count: int, seed: int) -> Table:

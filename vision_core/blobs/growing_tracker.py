@@ -8,6 +8,7 @@ import numpy as np
 from vision_core.blobs.growing import LIMITS, NOT_FOUND, grow, memory_for, step_for
 from vision_core.clock import Instant, seconds_between
 from vision_core.geometry import Bytes
+from vision_core.kernels import read_only
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
 
@@ -66,8 +67,7 @@ class GrowingTracker:
         """color: a row of COLOR; table: whose classes it names, not needed for a seed; start_px: where it is looked
         for first, x and y."""
         self._memory = memory_for(width_px, height_px)
-        self._classes = np.zeros(CELLS, dtype=np.uint8) if table is None else np.array(table.classes)
-        self._classes.setflags(write=False)
+        self._classes = read_only(np.zeros(CELLS, dtype=np.uint8) if table is None else table.classes)
         self._color = color
         self._around = color if limits.around is None else limits.around
         self._everywhere = limits.row(max(width_px, height_px))
@@ -100,11 +100,9 @@ class GrowingTracker:
         """
         assert pixels.shape == (*self._memory.stamps.shape, 3), f"{pixels.shape} is another size"
         x, y = self.predict(at)
-        view = np.ascontiguousarray(pixels).view()
-        view.setflags(write=False)  # one memory layout for the kernel: frames come read-only or not
         waiting = self._seen is not None and seconds_between(self._seen, at) <= self._patience_s
         limits = self._nearby if waiting else self._everywhere
-        around = grow(view, self._classes, x, y, self._color, self._around, limits, self._memory)
+        around = grow(read_only(pixels), self._classes, x, y, self._color, self._around, limits, self._memory)
         if around == NOT_FOUND:
             self.lost = True
             return None

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes
-from vision_core.kernels import kernel
+from vision_core.kernels import kernel, read_only
 from vision_core.settings import BlobSettings
-from vision_core.types.blobs import Blobs
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import BLOB, Table
 
@@ -49,31 +48,17 @@ class Segmenter:
         self._min_area_px = settings.min_area_px
         self._memory = run_memory(settings)
         self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
-        """Filled by ``fill``, in scan order."""
+        """Filled by ``segment``, in scan order."""
 
-    def fill(self, pixels: Bytes, table: ColorTable) -> tuple[int, bool]:
-        """Fill ``blobs``: how many there are, and whether all had room. pixels as for ``segment``."""
+    def segment(self, pixels: Bytes, table: ColorTable) -> tuple[int, bool]:
+        """Fill ``blobs``: how many there are, and whether all had room.
+
+        pixels: shape (height, width, 3), contiguous, blue green red.
+        """
         assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
         return segment_runs(read_only(pixels), read_only(table.classes), self._min_area_px, self._memory, self.blobs)
 
-    def segment(self, pixels: Bytes, table: ColorTable) -> Blobs:
-        """The blobs of a picture: shape (height, width, 3), blue green red."""
-        count, complete = self.fill(pixels, table)
-        found = self.blobs[:count]
-        return Blobs(
-            color=found["color"].astype(np.uint8),
-            area_px=found["area_px"].astype(np.int64),
-            center_px=np.column_stack([found["x_px"], found["y_px"]]),
-            box_px=np.column_stack([found[side].astype(np.int64) for side in ("left", "top", "right", "bottom")]),
-            complete=complete,
-        )
-
-
-def read_only(array: Bytes) -> Bytes:
-    """One memory layout for the kernel, which is compiled anew for every other: frames come read-only or not."""
-    view = np.ascontiguousarray(array).view()
-    view.setflags(write=False)
-    return view
+    fill = segment
 
 
 @kernel

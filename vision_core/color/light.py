@@ -9,7 +9,6 @@ the carpet's median colors, or on a black field, which returns next to nothing, 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +16,8 @@ from numpy.typing import NDArray
 from vision_core.camera_model import CameraModel
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.field_model import accepted_half_extent
-from vision_core.geometry import Array, Bytes, frozen
-from vision_core.kernels import kernel
+from vision_core.geometry import Bytes, frozen
+from vision_core.kernels import kernel, read_only
 from vision_core.settings import FieldSettings, LightSettings, Settings
 from vision_core.types.colors import Levels, Light
 
@@ -170,13 +169,6 @@ def settled(last: Light, now: Light, *, fresh: bool) -> Light:
 
 def _unknown(black: Levels, reason: str) -> Light:
     return Light(black, (1.0, 1.0, 1.0), f"light: {reason}")
-
-
-def read_only(array: Array) -> Array:
-    """One memory layout for a kernel, which is compiled anew for every other: frames come read-only or not."""
-    view = np.ascontiguousarray(array).view()
-    view.setflags(write=False)
-    return cast("Array", view)
 
 
 @kernel

@@ -13,11 +13,11 @@ from vision_core.blobs.rows import SegmentMemory, least_height_px, segment_memor
 from vision_core.camera_kernels import CameraMap, camera_map_from, pixel_from_field, pixels_per_square_metre
 from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock
 from vision_core.color.candidates import candidate_test
-from vision_core.color.light import Lighting, read_only
+from vision_core.color.light import Lighting
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.field_model import accepted_half_extent
 from vision_core.geometry import Bytes, Floats
-from vision_core.kernels import kernel
+from vision_core.kernels import kernel, read_only
 from vision_core.objects.balls import BallFinder, ball_finder, find_balls
 from vision_core.objects.robot_finder import RobotFinder, find_robots, robot_finder
 from vision_core.pattern_files import load_pattern
