@@ -204,6 +204,7 @@ class RobotSettings(RobotShape, frozen=True):
     pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
     min_area: Annotated[float, Meta(gt=0.0, description="smallest area of a dot as a share of the predicted one")]
     max_area: Annotated[float, Meta(gt=0.0)]
+    beyond_m: Annotated[float, Meta(ge=-1.0, le=5.0, description="how far outside the walls or limits robots may be")]
     dot_tolerance_m: Annotated[float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place")]
     min_confidence: Share
     circle_floor_px: Annotated[

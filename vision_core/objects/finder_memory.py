@@ -42,6 +42,8 @@ class Gates(NamedTuple):
     min_confidence: float
     center_floor_px: float
     edge_floor_px: float
+    field_m: Floats
+    """Half extents x, y of where robots may be, and of that with the goals, shape (4,)."""
 
 
 class Memory(NamedTuple):

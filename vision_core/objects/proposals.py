@@ -53,8 +53,9 @@ KEPT = 8
 SHAPE_SAYS = 0.4
 """How much of a hypothesis' score its anchor's shape decides."""
 
-NEAREST = 0.8
-"""Centers nearer than this share of their radii's sum cannot both be robots."""
+NEAREST, NEAREST_WHOLE = 0.8, 0.55
+"""Centers nearer than this share of their radii's sum cannot both be robots; nor whole markers, whose bodies may be
+narrower than their outline says."""
 
 LESS = 0.999
 """A hypothesis that is a part of another one comes after it."""
@@ -77,7 +78,7 @@ def place_blobs(blobs: Table, count: int, camera: CameraMap, marker: Marker, gat
         if worn == 0:
             continue
         x, y = field_from_pixel(camera, blobs[blob].x_px, blobs[blob].y_px, marker.height_m)
-        if math.isnan(x):
+        if not _is_accepted(x, y, marker.radius_m, gates.field_m):
             continue
         area = blobs[blob].area_px / pixels_per_square_metre(camera, x, y, marker.height_m)
         if not area >= gates.min_area * marker.least_area_m2:
@@ -96,6 +97,14 @@ def place_blobs(blobs: Table, count: int, camera: CameraMap, marker: Marker, gat
 def _reach(marker: Marker, gates: Gates) -> float:
     farthest: float = marker.reach_m[1] + GATHER * gates.tolerance_m
     return farthest
+
+
+@kernel
+def _is_accepted(x_m: float, y_m: float, radius_m: float, field_m: Floats) -> bool:
+    """Whether a patch of a robot may lie there: at most its radius outside of the field or a goal; False for nan."""
+    x, y = abs(x_m) - radius_m, abs(y_m) - radius_m
+    accepted: bool = (x <= field_m[0] and y <= field_m[1]) or (x <= field_m[2] and y <= field_m[3])
+    return accepted
 
 
 @kernel
@@ -149,7 +158,8 @@ def propose(
                     c, s = math.cos(row[HEADING]), math.sin(row[HEADING])
                     row[X] += places[anchor, 0] - c * marker.anchor_m[0] + s * marker.anchor_m[1]
                     row[Y] += places[anchor, 1] - s * marker.anchor_m[0] - c * marker.anchor_m[1]
-                    row[SHAPED], row[ROOM] = shaped, NEAREST * marker.radius_m
+                    whole = row[MATCHED] == len(marker.arms_m)
+                    row[SHAPED], row[ROOM] = shaped, (NEAREST_WHOLE if whole else NEAREST) * marker.radius_m
                     if shaped:
                         row[SCORE] *= 1.0 - SHAPE_SAYS * (1.0 - agreement(marker.shape, memory.shape, row[HEADING]))
                     count = _keep(rows, start, count)
@@ -348,7 +358,7 @@ def _alone(
         if best >= SURE and other_best <= OTHER * best:
             c, s = math.cos(heading), math.sin(heading)
             row[HEADING], row[SHAPED], row[STEADY] = heading, 2, memory.shape[SHAPE_STEADY]
-            row[ROOM] = NEAREST * marker.radius_m
+            row[ROOM] = (NEAREST if len(marker.arms_m) else NEAREST_WHOLE) * marker.radius_m
             row[X] -= c * marker.anchor_m[0] - s * marker.anchor_m[1]
             row[Y] -= s * marker.anchor_m[0] + c * marker.anchor_m[1]
     return 1

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vision_core.camera_kernels import CameraMap
-from vision_core.geometry import Bytes
+from vision_core.field_model import accepted_half_extent, goal_line_x
+from vision_core.geometry import Bytes, frozen
 from vision_core.kernels import kernel
 from vision_core.objects.contest import compete
 from vision_core.objects.finder_memory import TEAM, Gates, Memory, take_memory
@@ -13,7 +14,7 @@ from vision_core.objects.markers import Marker, marker_of
 from vision_core.objects.poses import refine_pose
 from vision_core.objects.proposals import place_blobs, propose
 from vision_core.pattern_files import load_pattern
-from vision_core.settings import RobotSettings, Settings
+from vision_core.settings import Settings
 from vision_core.settings_models import robots_of
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import NO_ID, TEAMS, Table
@@ -35,11 +36,14 @@ def robot_finder(settings: Settings, table: ColorTable) -> RobotFinder:
         for number, team in enumerate(TEAMS)
         for robots in [robots_of(settings.robots, team)]
     )
-    return RobotFinder((blue, yellow), gates_from(settings.robots), take_memory(settings.blobs.max_blobs))
+    return RobotFinder((blue, yellow), gates_from(settings), take_memory(settings.blobs.max_blobs))
 
 
-def gates_from(robots: RobotSettings) -> Gates:
+def gates_from(settings: Settings) -> Gates:
     """What settings accept, as kernels take it."""
+    robots, field = settings.robots, settings.field
+    beyond = robots.beyond_m
+    goal = goal_line_x(field) + field.goal.depth_m + beyond, field.goal.width_m / 2.0 + beyond
     return Gates(
         min_area=robots.min_area,
         max_area=robots.max_area,
@@ -47,6 +51,7 @@ def gates_from(robots: RobotSettings) -> Gates:
         min_confidence=robots.min_confidence,
         center_floor_px=robots.circle_floor_px,
         edge_floor_px=robots.polygon_floor_px,
+        field_m=frozen(np.array([*(half + beyond for half in accepted_half_extent(field)), *goal])),
     )
 
 

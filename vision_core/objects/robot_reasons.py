@@ -165,7 +165,7 @@ def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[
         )  # fmt: skip
         area = f"blobs have {factor**2:.1f} of the area predicted"
         name = f"wrong camera height, or size of the field? {area}; were markers {factor:.2f} times as large,"
-        yield name, RobotFinder((blue, yellow), gates_from(settings.robots), memory)
+        yield name, RobotFinder((blue, yellow), gates_from(settings), memory)
 
 
 def _gain(robots: Table) -> float:
