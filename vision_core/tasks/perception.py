@@ -17,7 +17,7 @@ from vision_core.color.light import Lighting
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.field_model import accepted_half_extent
 from vision_core.geometry import Bytes, Floats
-from vision_core.kernels import kernel, read_only
+from vision_core.kernels import Kept, keep, kernel, read_only
 from vision_core.objects.balls import BallFinder, ball_finder, find_balls
 from vision_core.objects.robot_finder import RobotFinder, find_robots, robot_finder
 from vision_core.pattern_files import load_pattern
@@ -63,11 +63,12 @@ class Eyes(NamedTuple):
 
 
 @kernel
-def perceive_picture(pixels: Bytes, gap_s: float, eyes: Eyes, blobs: Table, seen: Table) -> int:
+def perceive_picture(pixels: Bytes, gap_s: float, kept: Kept, blobs: Table, seen: Table) -> int:
     """Fill SIGHTINGS, shape (1,), which still tells of the last frame, gap_s ago; returns how many blobs there are.
 
-    gap_s: negative for a picture that has nothing to do with the last one.
+    gap_s: negative for a picture that has nothing to do with the last one; kept: Eyes.
     """
+    eyes: Eyes = kept.value
     frame, watch = seen[0], eyes.watch
     follows = 0.0 <= gap_s <= LONGEST_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= watch[EXPECTED]
     windows = _windows(frame, gap_s, eyes) if follows else 0
@@ -130,6 +131,7 @@ class Perception:
         self.camera = camera_model_from(settings)
         self.lighting = Lighting(settings, self.camera)
         self.eyes = self._eyes()
+        self._kept = keep(self.eyes)
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
         self.blob_count = 0
         """How many of the blobs are the last frame's."""
@@ -154,7 +156,7 @@ class Perception:
         """
         pixels = read_only(self.lighting.lit(frame.pixels, frame.grabbed))
         gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else -1.0
-        self.blob_count = perceive_picture(pixels, gap_s, self.eyes, self.blobs, self._seen.whole)
+        self.blob_count = perceive_picture(pixels, gap_s, self._kept, self.blobs, self._seen.whole)
         self.raw, self.pixels, self._last = frame.pixels, pixels, frame.grabbed
         self._seen.stamp(frame.camera, frame.number, frame.grabbed, clock.now())
         return self._seen
