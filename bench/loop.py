@@ -30,7 +30,7 @@ from vision_core.protocol.messages import Init
 from vision_core.settings import Settings
 from vision_core.tasks.messages import Messages
 from vision_core.tasks.perception import Perception
-from vision_core.tracks.tracking import Tracker
+from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 

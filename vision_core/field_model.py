@@ -47,11 +47,6 @@ def diagonal_m(field: FieldSettings) -> float:
     return 2.0 * math.hypot(*accepted_half_extent(field))
 
 
-def is_between_lines(field: FieldSettings, x_m: float, y_m: float) -> bool:
-    """Is a point on the field proper, not in a goal or on the margin?"""
-    return abs(x_m) <= field.length_m / 2.0 and abs(y_m) <= field.width_m / 2.0
-
-
 def is_accepted(field: FieldSettings, x_m: float, y_m: float) -> bool:
     """Is a point on the field, its margin or in a goal: where a ball may be?"""
     half_x, half_y = accepted_half_extent(field)

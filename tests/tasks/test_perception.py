@@ -15,7 +15,7 @@ from vision_core.geometry import Bytes
 from vision_core.opencv import draw_circle
 from vision_core.settings_models import camera_model_from
 from vision_core.tasks.perception import Perception
-from vision_core.tracks.tracking import Tracker
+from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import MOST_BALLS, MOST_ROBOTS
 

@@ -10,7 +10,7 @@ from vision_core.clock import Instant, after
 from vision_core.geometry import Floats
 from vision_core.settings_files import load_settings
 from vision_core.tracks.filters import density_from_acceleration, start_variance
-from vision_core.tracks.tracking import Tracker
+from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import SightingsTable
 from vision_core.types.tracks import World

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from vision_core.clock import Instant, after
 from vision_core.settings import RobotSettings, TeamRobotSettings
 from vision_core.settings_files import load_settings
-from vision_core.tracks.tracking import Tracker
+from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import MOST_OBSTACLES, SightingsTable, obstacle_table
 from vision_core.types.tracks import World

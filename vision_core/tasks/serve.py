@@ -24,7 +24,7 @@ from vision_core.settings import Settings
 from vision_core.tasks.gauge import Gauge
 from vision_core.tasks.messages import Messages
 from vision_core.tasks.warm_up import views as warm_up_views
-from vision_core.tracks.tracking import Tracker
+from vision_core.tracks.tracker import Tracker
 from vision_core.types.tables import SightingsTable, Table, obstacle_table
 
 PUBLISH_EVERY_S = 0.5

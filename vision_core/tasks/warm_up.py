@@ -14,7 +14,7 @@ from vision_core.rtdb.attachment import end_with
 from vision_core.settings import Settings
 from vision_core.tasks.messages import Messages
 from vision_core.tasks.perception import Perception
-from vision_core.tracks.tracking import Tracker
+from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import SightingsTable, obstacle_table
 

@@ -3,8 +3,8 @@
 A frame shows *that* something is somewhere; a track says *which* robot it is and where it is at any
 instant. Theory of operation, files from the outside in:
 
-``tracking``
-    :class:`~vision_core.tracks.tracking.Tracker`, the only state of the stage: ``update`` with one frame's
+``tracker``
+    :class:`~vision_core.tracks.tracker.Tracker`, the only state of the stage: ``update`` with one frame's
     sightings, ``predict`` to any instant. Each is one compiled call, ``follow`` and ``tell``.
 ``robot_lives``, ``ball_lives``, ``obstacle_lives``
     the lives of tracks: which sighting continues which track, what starts one, what ends it.
@@ -14,7 +14,6 @@ instant. Theory of operation, files from the outside in:
     a constant-velocity Kalman filter.
 ``state``
     what is remembered, and the rules, as tables.
-
 
 Rules:
 
