@@ -11,5 +11,9 @@ Veloso, "Fast and inexpensive color image segmentation for interactive robots", 
 The table is made for the venue's light. When the light changes the pictures are taken back to it, by
 one gain per channel (``light``): no table need be made again and nothing behind it knows.
 
-Files, outside in: ``light``, ``lookup_table``, ``samples``, ``spaces``; for people: ``explain``, ``pictures``.
+From the table a test is made that 64 pixels pass or fail at once (``candidates``): most of the floor need not be
+looked up at all.
+
+Files, outside in: ``light``, ``candidates``, ``lookup_table``, ``samples``, ``spaces``; for people: ``explain``,
+``pictures``.
 """

@@ -1,29 +1,28 @@
-"""Blobs -> sightings: the fourth stage, robots by their markers and the ball.
+"""Blobs -> sightings: the fourth stage, robots by their markers, the ball, and what else stands there.
 
 Theory of operation. Everything is judged in the field's metres, never in pixels: blob centers are
 mapped to the plane of what they may be part of (markers at their height, the ball at its radius), and
 the camera model says how many pixels such a thing must have there. So one set of gates holds for the
 field's center and its corners, and for a camera of any resolution.
 
-*Robots*: hypotheses compete. Every blob that may be a center dot is paired with every dot in reach and
-every place of the pattern it might be; each such pair fixes a heading, gathers the dots that then fall
-into place, and is fitted rigidly to all of them (``hypotheses``). One score, 0..1, from how many dots
-there are, how well they fit and how right their sizes are, decides: best first, a blob serves once, no
-two robots stand in one another (``robots``). The same score is the sighting's confidence.
+*Robots*: hypotheses compete. A marker is a patch in the team's color, the anchor, and other patches in slots round it
+(``markers``). Every blob that may be an anchor is paired with every blob in reach and every slot that this might
+fill; each such pair fixes a heading, gathers the blobs that then fall into place, and is fitted rigidly to all of
+them (``proposals``). One score, 0..1, decides: the share of the marker's painted area that is there * how well the
+patches fit * how right their sizes are * how well the anchor's shape agrees with the heading (``shapes``). Best
+first, a blob serves once, no two robots stand in one another (``contest``). An anchor whose other patches are not
+read is a robot without an id, if it is enough of the marker. Winners' patch centers are refined (``centers``), and
+pose and deviations come from all of them (``poses``). The score is the sighting's confidence.
 
-*Ball*: a table of gates, one predicate each (``ball``); a blob that passes all of them is a ball, and
-the gates that stopped the others are the reason when none is found.
+*Ball*: a sequence of gates (``balls``); a blob that passes all of them is a ball, and its center is refined like a
+patch's.
 
-The compiled path (``robot_finder``) does the same for any marker: a patch in the team's color, the anchor, and
-others in slots round it (``markers``). Its score is the share of the marker's painted area that is there * how
-well the patches fit * how right their sizes are * how well the anchor's shape agrees with the heading (``shapes``);
-an anchor whose other patches are not read is a robot without an id, if it is enough of the marker. Winners' patch
-centers are refined, and pose and deviations come from all of them (``poses``). ``robot_reasons`` says in words, for
-people, why robots are not seen or not read.
+*Obstacles*: what differs from the carpet that was learned, and is none of these (``obstacles``). Off the hot path.
 
-What cannot be told is said, not guessed: a robot without a readable marker has id None, and so have
-two robots that wear the same one.
+What cannot be told is said, not guessed: a robot without a readable marker has id NO_ID, and so have two robots that
+wear the same one. ``robot_reasons`` and ``ball_reasons`` ask the same kernels, and say in words why nothing is seen
+or read.
 
-Files, outside in: ``robots``, ``hypotheses``, ``ball``, ``patterns``, ``likeness``; compiled: ``robot_finder``,
-``proposals``, ``contest``, ``poses``, ``markers``, ``shapes``, ``finder_memory``; for people: ``robot_reasons``.
+Files, outside in: ``robot_finder``, ``proposals``, ``contest``, ``poses``, ``markers``, ``shapes``,
+``finder_memory``; ``balls``; ``centers``; ``obstacles``; for people: ``robot_reasons``, ``ball_reasons``.
 """

@@ -1,8 +1,10 @@
-"""What flows: passive, frozen records, one module per step of the flow.
+"""What flows: passive data, one module per step of the flow.
 
-    light -> ImageFrame (image) -> color classes (colors) -> Blobs (blobs) -> Sightings (objects)
+    light -> ImageFrame (image) -> color classes (colors) -> blobs -> Sightings (objects)
           -> World (tracks) -> RobotView (views) -> datagram
 
-``field`` holds what does not flow: what stands on the field, and what an edge can be. Records hold no code
-beyond trivial derived values. Stages are functions from records to records.
+From the blobs on, the hot path holds all of it in ``tables``: arrays of rows, taken once and filled in place. The
+records of the other modules are the same for people, frozen, without code beyond trivial derived values. ``candidates``
+is a color table as the search for blobs wants it; ``field`` holds what does not flow: what stands on the field, and
+what an edge can be.
 """
