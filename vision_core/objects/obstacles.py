@@ -33,8 +33,8 @@ COVER = 1.35
 LEARNED_PER_LOOK = 0.05
 ANOTHER_LIGHT = 0.3
 """When more than this share of the field differs, lamps were switched: the carpet is learned anew."""
-DARKENED = 2.0
-"""A shadow may darken so many times more than anything may brighten."""
+DARKEST_SHADOW = 0.45
+"""Share of the carpet's light that a shadow leaves; what is darker is a thing."""
 BRIGHTER = 0.35
 """Share of the carpet's brightness by which a thing must differ, beside the grey levels of the settings."""
 LONGEST = 3.0
@@ -105,14 +105,21 @@ class ObstacleFinder:
 
     def _first_carpet(self, seen: Floats) -> Floats:
         side = 2 * round(NEIGHBORHOOD * self._robots.radius_m / self._cell_m) + 1
-        return median_filtered(seen.round().astype(np.uint8), side).astype(np.float64)
+        margin = side // 2  # beyond the field all is as its middle color: a wall at its edge is no majority
+        padded = np.empty((seen.shape[0] + 2 * margin, seen.shape[1] + 2 * margin, 3))
+        padded[:] = np.median(seen.reshape(-1, 3), axis=0)
+        padded[margin:-margin, margin:-margin] = seen
+        filtered = median_filtered(padded.round().astype(np.uint8), side)
+        return filtered[margin:-margin, margin:-margin].astype(np.float64)
 
     def _differs(self, seen: Floats) -> Mask:
         assert self._carpet is not None
         (light, color), (carpet_light, carpet_color) = _light_and_color(seen), _light_and_color(self._carpet)
         change = (light - carpet_light) / (self._settings.difference + BRIGHTER * carpet_light)
-        turn = np.hypot(*np.moveaxis(color - carpet_color, -1, 0)) / self._settings.difference
-        return np.asarray((change > 1.0) | (change < -DARKENED) | (turn > 1.0))
+        shaded = carpet_color * np.clip(light / np.maximum(carpet_light, 1.0), 0.0, 1.0)[..., None]
+        turn = np.hypot(*np.moveaxis(color - shaded, -1, 0)) / self._settings.difference
+        dark = (light < DARKEST_SHADOW * carpet_light) & (carpet_light - light > self._settings.difference)
+        return np.asarray((change > 1.0) | dark | (turn > 1.0))
 
     def _known(self, robots: Sequence[RobotSighting], balls: Sequence[BallSighting]) -> Mask:
         """Cells that bodies of robots and balls cover in the image: from the foot to the displaced top."""

@@ -117,7 +117,7 @@ def _why_unread(
         else:
             worn[number] += 1
     twice = [
-        f"{NUMERALS.get(count, count)} robots wear {name} {number}: both lose it"
+        f"{NUMERALS.get(count, count)} robots wear {name} {number}: {'both' if count == 2 else 'all'} lose it"
         for number, count in worn.items()
         if count > 1
     ]

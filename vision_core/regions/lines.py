@@ -17,8 +17,10 @@ CONTRAST = 10.0
 """Grey levels by which paint differs from carpet."""
 LEAST_POINTS = 15
 THINNEST_PX = 1.0
-FOUND = 0.5
-"""Share of the lines that must be found."""
+ALONG = 0.5
+"""Share of its length on which a line must be found."""
+FOUND = 0.3
+"""Share of the lines that must be found: not every field has all of its preset's."""
 OUTSIDE = 0.5
 
 
@@ -70,7 +72,7 @@ def _is_painted(luma: Floats, line: Floats, inside: np.ndarray, width_px: float)
         here, left, right = (_looked_up(luma, middle + across * (shift + offset)) for offset in (0.0, aside, -aside))
         painted = (here - left > CONTRAST) & (here - right > CONTRAST)
         best = max(best, float(painted.mean()))
-    return best > FOUND
+    return best > ALONG
 
 
 def _looked_up(luma: Floats, points: Floats) -> Floats:
