@@ -34,7 +34,8 @@ SIZES = {"640x480": (640, 480, 700.0), "1280x1024": (1280, 1024, 1420.0), "2048x
 LOOKS: dict[str, dict[str, Any]] = {
     "default": {},
     "doubled noise": {"synthetic.read_noise": 3.0, "synthetic.shot_noise": 0.32},
-    "low light": {"synthetic.brightness": 0.4},
+    "40 % light, colors.light.adapt": {"synthetic.brightness": 0.4, "colors.light.adapt": True},
+    "40 % light": {"synthetic.brightness": 0.4},
     "3 m/s, 10 ms exposure": {"synthetic.speed_m_s": 3.0, "synthetic.exposure_ms": 10.0},
 }
 TEAMS = {10: 5, 22: 11}
