@@ -60,20 +60,38 @@ OUTLIER_SD, LEAST_OUTLIER_PX = 3.0, 0.1
 UNREFINED_SD = 0.05
 """Deviation of a center that could not be refined, in radii."""
 
-PIXELS, SHARES, RIM_X, RIM_Y, WEIGHT_B, WEIGHT_G, WEIGHT_R, OFFSET, OUT_B, OUT_G, OUT_R, USED, BEYOND = range(13)
-COLUMNS = 13
-"""Columns of the memory: of each sector its pixels, their surplus of share (then: its displacement), the rim's mean
-normal, the weights and the offset that unmix, the color outside, whether it takes part, and whether the circle's
-color goes on beyond it."""
+COLUMNS = 14
+(
+    PIXELS, SHARES, IN_B, IN_G, IN_R, OUT_B, OUT_G, OUT_R, WEIGHT_B, WEIGHT_G, WEIGHT_R, OFFSET, USED, BEYOND,
+) = range(0, COLUMNS * SECTORS, SECTORS)  # fmt: skip
+DISTANCE = WEIGHT_B
+"""Where in the memory the values of all sectors start: their pixels, surplus of share (then: displacement), the colors
+inside and outside, the weights and the offset that unmix, whether it takes part, and whether the circle's color goes
+on beyond it; before there are weights, how far the outer color is from those of the others. Side by side, so that one
+instruction can take several sectors; a loop whose length is not known beforehand is compiled to such."""
 
 _TURNS = (np.arange(SECTORS) + 0.5) * (math.tau / SECTORS)
 _NORMALS = frozen(np.column_stack([np.cos(_TURNS), np.sin(_TURNS)]))
 _EIGHTH = math.tan(math.pi / 8.0)
+_IN_QUADRANT = ((1, 2), (0, 3))
+_SECTOR_OF = frozen(
+    np.array(
+        [
+            (15 - along if down else along)
+            for nearer in (0, 1)
+            for steep in (0, 1)
+            for down in (0, 1)
+            for left in (0, 1)
+            for along in [7 - _IN_QUADRANT[nearer][steep] if left else _IN_QUADRANT[nearer][steep]]
+        ]
+    )
+)
+"""Sector by signs, see ``_measure_rim``."""
 
 
 def center_memory() -> Floats:
     """What ``refined_circle`` works in, taken once."""
-    return np.zeros((SECTORS, COLUMNS))
+    return np.zeros(COLUMNS * SECTORS)
 
 
 @kernel
@@ -108,8 +126,8 @@ def fitted_circle(
     if used < FEWEST_SECTORS or not dx * dx + dy * dy <= LARGEST_SHIFT_PX * LARGEST_SHIFT_PX:
         return x_px, y_px, UNREFINED_SD * radius_px, 0
     for k in range(SECTORS):
-        if memory[k, BEYOND] != 0.0:
-            used -= 2 if memory[k, USED] != 0.0 else 1
+        if memory[BEYOND + k] != 0.0:
+            used -= 2 if memory[USED + k] != 0.0 else 1
     return x_px + dx, y_px + dy, sd, used
 
 
@@ -118,38 +136,45 @@ def _unmix(
     pixels: Bytes, x: float, y: float, radius: float, core_x: float, core_y: float, inside: float, memory: Floats
 ) -> None:
     """Find each sector's colors and the weights that tell the share of the inner one: w (color - background)."""
-    for k in range(SECTORS):
-        reach = radius + OUTSIDE_PX
-        v, u = _pixel_at(pixels, x + reach * _NORMALS[k, 0], y + reach * _NORMALS[k, 1])
-        for channel in range(3):
-            memory[k, OUT_B + channel] = pixels[v, u, channel]
+    _look(pixels, x, y, radius, inside, memory)
     blue, green, red = _background(memory)
     v, u = _pixel_at(pixels, core_x, core_y)
     core = np.float64(pixels[v, u, 0]), np.float64(pixels[v, u, 1]), np.float64(pixels[v, u, 2])
-    near = max(radius - inside, LEAST_RADIUS * radius)
-    far = max(radius - SECOND_INSIDE * inside, LEAST_RADIUS * radius)
-    for k in range(SECTORS):
-        c, s = _NORMALS[k, 0], _NORMALS[k, 1]
-        v, u = _pixel_at(pixels, x + near * c, y + near * s)
-        j, i = _pixel_at(pixels, x + far * c, y + far * s)
-        f0 = 0.5 * (np.float64(pixels[v, u, 0]) + np.float64(pixels[j, i, 0]))
-        f1 = 0.5 * (np.float64(pixels[v, u, 1]) + np.float64(pixels[j, i, 1]))
-        f2 = 0.5 * (np.float64(pixels[v, u, 2]) + np.float64(pixels[j, i, 2]))
-        alike = _is_shade(f0, f1, f2, core)
-        f0, f1, f2 = f0 - blue, f1 - green, f2 - red
-        q0, q1, q2 = memory[k, OUT_B] - blue, memory[k, OUT_G] - green, memory[k, OUT_R] - red
+    for k in range(len(memory) // COLUMNS):
+        b, g, r = memory[OUT_B + k], memory[OUT_G + k], memory[OUT_R + k]
+        memory[BEYOND + k] = 1.0 if _is_shade(b, g, r, core) else 0.0
+        q0, q1, q2 = b - blue, g - green, r - red
+        b, g, r = memory[IN_B + k], memory[IN_G + k], memory[IN_R + k]
+        alike = _is_shade(b, g, r, core)
+        f0, f1, f2 = b - blue, g - green, r - red
         ff = f0 * f0 + f1 * f1 + f2 * f2
         fq = f0 * q0 + f1 * q1 + f2 * q2
         qq = q0 * q0 + q1 * q1 + q2 * q2 + NOISE * NOISE
         volume = ff * qq - fq * fq
-        distinct = ff > LEAST_CONTRAST * LEAST_CONTRAST and volume > LEAST_INDEPENDENCE * ff * qq
-        memory[k, USED] = alike and distinct
-        memory[k, BEYOND] = _is_shade(memory[k, OUT_B], memory[k, OUT_G], memory[k, OUT_R], core)
-        inner, outer = qq / max(volume, 1.0), fq / max(volume, 1.0)
-        memory[k, WEIGHT_B] = inner * f0 - outer * q0
-        memory[k, WEIGHT_G] = inner * f1 - outer * q1
-        memory[k, WEIGHT_R] = inner * f2 - outer * q2
-        memory[k, OFFSET] = -(memory[k, WEIGHT_B] * blue + memory[k, WEIGHT_G] * green + memory[k, WEIGHT_R] * red)
+        distinct = (ff > LEAST_CONTRAST * LEAST_CONTRAST) & (volume > LEAST_INDEPENDENCE * ff * qq)
+        memory[USED + k] = 1.0 if alike & distinct else 0.0
+        share = 1.0 / max(volume, 1.0)
+        inner, outer = share * qq, share * fq
+        w0, w1, w2 = inner * f0 - outer * q0, inner * f1 - outer * q1, inner * f2 - outer * q2
+        memory[WEIGHT_B + k], memory[WEIGHT_G + k], memory[WEIGHT_R + k] = w0, w1, w2
+        memory[OFFSET + k] = -(w0 * blue + w1 * green + w2 * red)
+
+
+@kernel
+def _look(pixels: Bytes, x: float, y: float, radius: float, inside: float, memory: Floats) -> None:
+    """Take the colors beyond the rim and inside of it, the mean of two places."""
+    beyond = radius + OUTSIDE_PX
+    near = max(radius - inside, LEAST_RADIUS * radius)
+    far = max(radius - SECOND_INSIDE * inside, LEAST_RADIUS * radius)
+    for k in range(SECTORS):
+        c, s = _NORMALS[k, 0], _NORMALS[k, 1]
+        v, u = _pixel_at(pixels, x + beyond * c, y + beyond * s)
+        j, i = _pixel_at(pixels, x + near * c, y + near * s)
+        m, n = _pixel_at(pixels, x + far * c, y + far * s)
+        for channel in range(3):
+            memory[OUT_B + channel * SECTORS + k] = pixels[v, u, channel]
+            both = np.float64(pixels[j, i, channel]) + np.float64(pixels[m, n, channel])
+            memory[IN_B + channel * SECTORS + k] = 0.5 * both
 
 
 @kernel
@@ -158,7 +183,7 @@ def _is_shade(blue: float, green: float, red: float, core: tuple[float, float, f
     own = blue * blue + green * green + red * red
     cores = core[0] * core[0] + core[1] * core[1] + core[2] * core[2]
     common = blue * core[0] + green * core[1] + red * core[2]
-    return common * common >= SAME_HUE * own * cores and own >= DARKEST_SHADE * DARKEST_SHADE * cores
+    return (common * common >= SAME_HUE * own * cores) & (own >= DARKEST_SHADE * DARKEST_SHADE * cores)
 
 
 @kernel
@@ -171,82 +196,79 @@ def _pixel_at(pixels: Bytes, x: float, y: float) -> tuple[int, int]:
 @kernel
 def _background(memory: Floats) -> tuple[float, float, float]:
     """Mean of the colors beyond the rim that are like the one that is nearest to all others."""
-    best, best_distance = 0, np.inf
-    for k in range(SECTORS):
-        distance = 0.0
-        for j in range(SECTORS):
-            distance += _difference(memory, k, j)
-        if distance < best_distance:
-            best, best_distance = k, distance
+    sectors = len(memory) // COLUMNS
+    for j in range(sectors):
+        memory[DISTANCE + j] = 0.0
+    for k in range(sectors):
+        blue, green, red = memory[OUT_B + k], memory[OUT_G + k], memory[OUT_R + k]
+        for j in range(sectors):
+            off = abs(blue - memory[OUT_B + j]) + abs(green - memory[OUT_G + j])
+            memory[DISTANCE + j] += off + abs(red - memory[OUT_R + j])
+    best = 0
+    for k in range(1, SECTORS):
+        if memory[DISTANCE + k] < memory[DISTANCE + best]:
+            best = k
     count = blue = green = red = 0.0
     for j in range(SECTORS):
         if _difference(memory, best, j) < ALIKE:
             count += 1.0
-            blue += memory[j, OUT_B]
-            green += memory[j, OUT_G]
-            red += memory[j, OUT_R]
+            blue += memory[OUT_B + j]
+            green += memory[OUT_G + j]
+            red += memory[OUT_R + j]
     return blue / count, green / count, red / count
 
 
 @kernel
 def _difference(memory: Floats, k: int, j: int) -> float:
-    blue, green = abs(memory[k, OUT_B] - memory[j, OUT_B]), abs(memory[k, OUT_G] - memory[j, OUT_G])
-    return float(blue + green + abs(memory[k, OUT_R] - memory[j, OUT_R]))
+    blue, green = abs(memory[OUT_B + k] - memory[OUT_B + j]), abs(memory[OUT_G + k] - memory[OUT_G + j])
+    return float(blue + green + abs(memory[OUT_R + k] - memory[OUT_R + j]))
 
 
 @kernel
 def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Floats) -> None:
-    """How far the rim lies outside of the supposed circle in every sector [px], and its mean normal."""
+    """How far the rim lies outside of the supposed circle in every sector [px]."""
     height, width, _ = pixels.shape
-    for k in range(SECTORS):
-        memory[k, PIXELS] = memory[k, SHARES] = memory[k, RIM_X] = memory[k, RIM_Y] = 0.0
+    for place in range(PIXELS, SHARES + SECTORS):
+        memory[place] = 0.0
     outer, inner = radius + BAND_PX, max(radius - BAND_PX, 0.0)
     for v in range(max(math.ceil(y - outer), 0), min(int(y + outer) + 1, height)):
         dy = v - y
         reach = math.sqrt(max(outer * outer - dy * dy, 0.0))
         hole = math.sqrt(max(inner * inner - dy * dy, 0.0))
-        last = min(int(x + reach) + 1, width)
-        u = max(math.ceil(x - reach), 0)
-        while u < last:
-            dx = u - x
-            if abs(dx) < hole:
-                u = max(math.ceil(x + hole), u + 1)
-                continue
-            rho = max(math.sqrt(dx * dx + dy * dy), 1e-9)
-            k = _sector(dx, dy)
-            share = (
-                memory[k, OFFSET]
-                + memory[k, WEIGHT_B] * pixels[v, u, 0]
-                + memory[k, WEIGHT_G] * pixels[v, u, 1]
-                + memory[k, WEIGHT_R] * pixels[v, u, 2]
-            )
-            expected = min(max(0.5 + (radius - rho) / RAMP_PX, 0.0), 1.0)
-            memory[k, PIXELS] += 1.0
-            memory[k, SHARES] += min(max(share, -0.1), 1.1) - expected
-            memory[k, RIM_X] += dx / rho
-            memory[k, RIM_Y] += dy / rho
-            u += 1
+        first, after = max(math.ceil(x - reach), 0), min(int(x + reach) + 1, width)
+        hole_first = max(math.floor(x - hole) + 1, first)
+        hole_after = max(math.ceil(x + hole), hole_first)
+        _measure_row(pixels, v, first, min(hole_first, after), x, dy, radius, memory)
+        _measure_row(pixels, v, hole_after, after, x, dy, radius, memory)
     for k in range(SECTORS):
-        count = max(memory[k, PIXELS], 1.0)
-        memory[k, SHARES] *= 2.0 * BAND_PX / count
-        memory[k, RIM_X] /= count
-        memory[k, RIM_Y] /= count
-        if memory[k, PIXELS] < 2.0 or abs(memory[k, SHARES]) > LARGEST_STEP * BAND_PX:
-            memory[k, BEYOND] = max(memory[k, BEYOND], memory[k, USED] * (memory[k, SHARES] > 0.0))
-            memory[k, USED] = 0.0
+        memory[SHARES + k] *= 2.0 * BAND_PX / max(memory[PIXELS + k], 1.0)
+        if memory[PIXELS + k] < 2.0 or abs(memory[SHARES + k]) > LARGEST_STEP * BAND_PX:
+            memory[BEYOND + k] = max(memory[BEYOND + k], memory[USED + k] * (memory[SHARES + k] > 0.0))
+            memory[USED + k] = 0.0
 
 
 @kernel
-def _sector(dx: float, dy: float) -> int:
-    """Which sixteenth of the full turn a direction lies in, as ``_NORMALS`` counts."""
-    across, along = abs(dx), abs(dy)
-    steep = along > across
-    less, more = (across, along) if steep else (along, across)
-    nearer = less < more * _EIGHTH  # to the axis
-    k = (3 if nearer else 2) if steep else (0 if nearer else 1)
-    if dx < 0.0:
-        k = 7 - k
-    return 15 - k if dy < 0.0 else k
+def _measure_row(
+    pixels: Bytes, v: int, first: int, after: int, x: float, dy: float, radius: float, memory: Floats
+) -> None:  # fmt: skip
+    """Add the pixels first..after, exclusive, of a row. Their sectors are told by signs, without a branch."""
+    row, along = np.uintp(v), abs(dy)
+    for u in range(first, after):
+        dx = u - x
+        across = abs(dx)
+        nearer = min(across, along) < _EIGHTH * max(across, along)  # to the axis
+        k = np.uintp(_SECTOR_OF[np.uintp((dx < 0.0) + 2 * (dy < 0.0) + 4 * (along > across) + 8 * nearer)])
+        at = np.uintp(u)
+        share = (
+            memory[OFFSET + k]
+            + memory[WEIGHT_B + k] * pixels[row, at, 0]
+            + memory[WEIGHT_G + k] * pixels[row, at, 1]
+            + memory[WEIGHT_R + k] * pixels[row, at, 2]
+        )
+        rho = math.sqrt(dx * dx + dy * dy)
+        expected = min(max(0.5 + (radius - rho) * (1.0 / RAMP_PX), 0.0), 1.0)
+        memory[PIXELS + k] += 1.0
+        memory[SHARES + k] += min(max(share, -0.1), 1.1) - expected
 
 
 @kernel
@@ -254,33 +276,33 @@ def _fit(radius: float, memory: Floats) -> tuple[float, float, float, int]:
     """Shift of the circle that fits the sectors' displacements, its deviation [px], and how many sectors fit."""
     rim_variance = RIM_SD_PX * RIM_SD_PX / radius
     trust = rim_variance / (RADIUS_SD * radius) ** 2
+    cc, ss, cs, c1, s1 = 1e-9, 1e-9, 0.0, 0.0, 0.0
+    cd = sd = d1 = count = 0.0
+    for k in range(SECTORS):
+        w = memory[USED + k]  # 0 or 1: no branch
+        c, s, d = w * _NORMALS[k, 0], w * _NORMALS[k, 1], w * memory[SHARES + k]
+        cc, ss, cs, c1, s1 = cc + c * c, ss + s * s, cs + c * s, c1 + c, s1 + s
+        cd, sd, d1, count = cd + c * d, sd + s * d, d1 + d, count + w
     while True:
-        cc, ss, cs, c1, s1, n1 = 1e-9, 1e-9, 0.0, 0.0, 0.0, trust
-        cd = sd = d1 = 0.0
-        used = 0
-        for k in range(SECTORS):
-            if memory[k, USED] != 0.0:
-                c, s, d = memory[k, RIM_X], memory[k, RIM_Y], memory[k, SHARES]
-                used += 1
-                cc, ss, cs = cc + c * c, ss + s * s, cs + c * s
-                c1, s1, n1 = c1 + c, s1 + s, n1 + 1.0
-                cd, sd, d1 = cd + c * d, sd + s * d, d1 + d
+        used, n1 = int(count), trust + count
         if used < FEWEST_SECTORS:
             return 0.0, 0.0, 0.0, used
-        cc, ss, cs = cc - c1 * c1 / n1, ss - s1 * s1 / n1, cs - c1 * s1 / n1  # the radius is eliminated
-        cd, sd = cd - c1 * d1 / n1, sd - s1 * d1 / n1
-        volume = cc * ss - cs * cs
-        dx, dy = (ss * cd - cs * sd) / volume, (cc * sd - cs * cd) / volume
+        xx, yy, xy = cc - c1 * c1 / n1, ss - s1 * s1 / n1, cs - c1 * s1 / n1  # the radius is eliminated
+        xd, yd = cd - c1 * d1 / n1, sd - s1 * d1 / n1
+        volume = xx * yy - xy * xy
+        dx, dy = (yy * xd - xy * yd) / volume, (xx * yd - xy * xd) / volume
         wider = (d1 - c1 * dx - s1 * dy) / n1
         squares, worst, worst_off = PRIOR_SECTORS * rim_variance, 0, 0.0
         for k in range(SECTORS):
-            if memory[k, USED] != 0.0:
-                off = abs(memory[k, SHARES] - dx * memory[k, RIM_X] - dy * memory[k, RIM_Y] - wider)
-                squares += off * off
-                if off > worst_off:
-                    worst, worst_off = k, off
+            off = abs(memory[SHARES + k] - dx * _NORMALS[k, 0] - dy * _NORMALS[k, 1] - wider) * memory[USED + k]
+            squares += off * off
+            if off > worst_off:
+                worst, worst_off = k, off
         variance = squares / (PRIOR_SECTORS + max(used - 3, 0))
         others = (squares - worst_off * worst_off) / (PRIOR_SECTORS + max(used - 4, 0))
         if worst_off <= max(OUTLIER_SD * math.sqrt(others), LEAST_OUTLIER_PX):
-            return dx, dy, math.sqrt(0.5 * variance * (cc + ss) / volume), used
-        memory[worst, USED] = 0.0
+            return dx, dy, math.sqrt(0.5 * variance * (xx + yy) / volume), used
+        memory[USED + worst] = 0.0
+        c, s, d = _NORMALS[worst, 0], _NORMALS[worst, 1], memory[SHARES + worst]
+        cc, ss, cs, c1, s1 = cc - c * c, ss - s * s, cs - c * s, c1 - c, s1 - s
+        cd, sd, d1, count = cd - c * d, sd - s * d, d1 - d, count - 1.0
