@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.test_camera_model import GRID, cameras
-from vision_core.camera_kernels import CameraMap, camera_map_from, field_from_pixel, pixel_from_field
+from vision_core.camera_kernels import CameraMap, camera_map_from, field_and_scale, field_from_pixel, pixel_from_field
 from vision_core.camera_kernels import pixels_per_square_metre as compiled_scale
 from vision_core.camera_model import CameraModel, HomographyCamera, PinholeCamera
 from vision_core.geometry import Floats
@@ -33,6 +33,8 @@ def check_same(camera: CameraModel, height_m: float) -> None:
     np.testing.assert_allclose(fields(compiled, pixels, height_m), camera.field_from_pixel(pixels, height_m), atol=1e-9)
     scales = [compiled_scale(compiled, x, y, height_m) for x, y in GRID.tolist()]
     np.testing.assert_allclose(scales, camera.pixels_per_square_metre(GRID, height_m), rtol=1e-7)
+    local = [field_and_scale(compiled, x, y, height_m)[2] for x, y in pixels.tolist()]
+    np.testing.assert_allclose(local, scales, rtol=2e-3)
 
 
 @settings(deadline=None)  # the first call compiles

@@ -65,15 +65,29 @@ def _matrix(matrix: Floats) -> Floats:
 @kernel
 def field_from_pixel(camera: CameraMap, x_px: float, y_px: float, height_m: float) -> tuple[float, float]:
     """Where the ray through a pixel crosses the plane at a height: (x, y) [m], nan where it never does."""
+    x_m, y_m, _ = field_and_scale(camera, x_px, y_px, height_m)
+    return x_m, y_m
+
+
+@kernel
+def field_and_scale(camera: CameraMap, x_px: float, y_px: float, height_m: float) -> tuple[float, float, float]:
+    """As ``field_from_pixel``, and the area of the image that a square metre covers there [px/m^2]."""
     lens, floor = camera.lens, camera.floor_from_plane
-    u, v = _undistorted(lens, (x_px - lens[1]) / lens[0], (y_px - lens[2]) / lens[0])
+    u, v, spread = _undistorted(lens, (x_px - lens[1]) / lens[0], (y_px - lens[2]) / lens[0])
     w = floor[2, 0] * u + floor[2, 1] * v + floor[2, 2]
     if camera.one_sided and not w > 0.0:
-        return np.nan, np.nan
+        return np.nan, np.nan, np.nan
     x = (floor[0, 0] * u + floor[0, 1] * v + floor[0, 2]) / w
     y = (floor[1, 0] * u + floor[1, 1] * v + floor[1, 2]) / w
     share = height_m / camera.position_m[2]
-    return x + (camera.position_m[0] - x) * share, y + (camera.position_m[1] - y) * share
+    volume = (
+        floor[0, 0] * (floor[1, 1] * floor[2, 2] - floor[1, 2] * floor[2, 1])
+        - floor[0, 1] * (floor[1, 0] * floor[2, 2] - floor[1, 2] * floor[2, 0])
+        + floor[0, 2] * (floor[1, 0] * floor[2, 1] - floor[1, 1] * floor[2, 0])
+    )
+    nearer = lens[0] / (1.0 - share)
+    scale = abs(nearer * nearer * spread * w * w * w / volume)
+    return x + (camera.position_m[0] - x) * share, y + (camera.position_m[1] - y) * share, scale
 
 
 @kernel
@@ -114,11 +128,12 @@ def _distorted(lens: Floats, x: float, y: float) -> tuple[float, float]:
 
 
 @kernel
-def _undistorted(lens: Floats, u: float, v: float) -> tuple[float, float]:
-    """The point of the plane that the lens shows at (u, v), by Newton's method; nan when there is none."""
+def _undistorted(lens: Floats, u: float, v: float) -> tuple[float, float, float]:
+    """The point of the plane that the lens shows at (u, v), by Newton's method, and how much wider than the plane
+    the lens shows areas there; nan when there is none."""
     k1, k2, p1, p2, k3 = lens[3], lens[4], lens[5], lens[6], lens[7]
     if k1 == 0.0 and k2 == 0.0 and p1 == 0.0 and p2 == 0.0 and k3 == 0.0:
-        return u, v
+        return u, v, 1.0
     x, y = u, v
     for _ in range(NEWTON_STEPS):
         bent_x, bent_y = _distorted(lens, x, y)
@@ -133,5 +148,5 @@ def _undistorted(lens: Floats, u: float, v: float) -> tuple[float, float]:
         x -= (off_x * yy - off_y * xy) / volume
         y -= (off_y * xx - off_x * xy) / volume
         if abs(off_x) + abs(off_y) < NEWTON_TOLERANCE:
-            return x, y
-    return np.nan, np.nan
+            return x, y, volume
+    return np.nan, np.nan, np.nan

@@ -2,7 +2,7 @@
 
 import math
 
-from vision_core.camera_kernels import CameraMap, field_from_pixel, pixels_per_square_metre
+from vision_core.camera_kernels import CameraMap, field_and_scale, field_from_pixel
 from vision_core.geometry import Bytes, Floats
 from vision_core.kernels import kernel
 from vision_core.objects.finder_memory import (
@@ -63,10 +63,10 @@ def place_blobs(blobs: Table, count: int, camera: CameraMap, marker: Marker, gat
         worn = marker.wears[blobs[blob].color]
         if worn == 0:
             continue
-        x, y = field_from_pixel(camera, blobs[blob].x_px, blobs[blob].y_px, marker.height_m)
+        x, y, scale2 = field_and_scale(camera, blobs[blob].x_px, blobs[blob].y_px, marker.height_m)
         if not _is_accepted(x, y, marker.radius_m, gates.field_m):
             continue
-        area = blobs[blob].area_px / pixels_per_square_metre(camera, x, y, marker.height_m)
+        area = blobs[blob].area_px / scale2
         if not area >= gates.min_area * marker.least_area_m2:
             continue
         places[blob, 0], places[blob, 1], places[blob, 2] = x, y, area
