@@ -58,7 +58,6 @@ class Segmenter:
         assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
         return segment_runs(read_only(pixels), read_only(table.classes), self._min_area_px, self._memory, self.blobs)
 
-    fill = segment
 
 
 @kernel

@@ -26,7 +26,7 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     light = (perception.lighting.light.reason,) if perception.lighting.light.reason else ()
     overflow = () if seen.complete else (OVERFLOW,)
     every = Segmenter(*size, settings.blobs)  # also classes that only other leagues' markers wear
-    count, _ = every.fill(pixels, perception.table)
+    count, _ = every.segment(pixels, perception.table)
     robots = explain_robots(Scene(every.blobs[:count], pixels, perception.table, eyes.camera), settings)
     blobs, count = perception.blobs, perception.blob_count
     balls = explain_balls(

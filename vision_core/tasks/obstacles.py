@@ -46,15 +46,15 @@ def main() -> None:
         now = clock.now()
         gauge.publish_if_due(now)
         glance = frames.glance() if released and now >= due else None
-        if glance is None:
+        seen = sightings.read(now)
+        if glance is None or seen is None or not seen.valid:  # who does not know the robots takes them for obstacles
             continue
         np.copyto(copy.reshape(-1), np.frombuffer(glance.payload, dtype=np.uint8))
         if not frames.holds(glance):  # overwritten while it was copied
             continue
         due = Instant(max(due + period_ns, now))
-        seen = sightings.read(now)
-        robots, balls = (seen.value.robots, seen.value.balls) if seen and seen.valid else ((), ())
-        found = Obstacles(camera.name, glance.sequence, glance.measured, finder.find(copy, robots, balls))
+        things = finder.find(copy, seen.value.robots, seen.value.balls)
+        found = Obstacles(camera.name, glance.sequence, glance.measured, things)
         done = clock.now()
         obstacles.write(found, glance.measured, done)
         gauge.ran(now, done)
