@@ -139,7 +139,7 @@ def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     classic = Segmenter(camera.width_px, camera.height_px, loop.settings.blobs)
     candidates = loop.perception.eyes.candidates
     twin, _ = twin_of(SegmentScene(loop.settings, table, candidates, loop.frames, [], 1))
-    ways: dict[str, Callable[[int], object]] = {"classic": lambda frame: classic.fill(loop.frames[frame], table)}
+    ways: dict[str, Callable[[int], object]] = {"classic": lambda frame: classic.segment(loop.frames[frame], table)}
     if twin is not None:
         ways["C"] = twin[0]
     stamps: list[tuple[float, ...]] = []

@@ -59,7 +59,6 @@ class Segmenter:
         return segment_runs(read_only(pixels), read_only(table.classes), self._min_area_px, self._memory, self.blobs)
 
 
-
 @kernel
 def segment_runs(pixels: Bytes, classes: Bytes, min_area: int, memory: RunMemory, blobs: Table) -> tuple[int, bool]:
     """Fill a BLOB table with all blobs of a picture: how many, and whether runs and blobs had room.
