@@ -33,7 +33,9 @@ class SegmentMemory(NamedTuple):
     """Everything that segmentation of pictures of one size needs, taken once. A compiled function can take it."""
 
     visited: NDArray[np.uint64]
-    """A bit per pixel: flooded in this picture. Shape (height, width / 64 rounded up)."""
+    """A bit per pixel: flooded in this picture; none between pictures. Shape (height, width / 64 rounded up)."""
+    boxes: NDArray[np.int32]
+    """Of all that was flooded in a picture, however small; columns as of windows. Shape (seeds, 4)."""
     seeds: NDArray[np.int32]
     stack: NDArray[np.int32]
     cells: NDArray[np.uint16]
@@ -66,6 +68,7 @@ def segment_memory(width_px: int, height_px: int, settings: BlobSettings, rows_a
     rows = height_px // rows_apart
     return SegmentMemory(
         visited=np.zeros((height_px, -(-width_px // LANES)), dtype=np.uint64),
+        boxes=np.zeros((settings.max_runs, 4), dtype=np.int32),
         seeds=np.zeros((settings.max_runs, 2), dtype=np.int32),
         stack=np.zeros((STACK_ROWS * width_px, STACK_COLUMNS), dtype=np.int32),
         cells=np.zeros((width_px // LANES + 1) * LANES, dtype=np.uint16),
@@ -205,8 +208,7 @@ def flood_seeds(
     flat: Bytes, width: int, height: int, classes: Bytes, seeds: int, memory: SegmentMemory, blobs: Table
 ) -> tuple[int, bool]:
     """Fill a BLOB table from the seeds: (how many, whether all had room), or (BROKE_OFF, False)."""
-    memory.visited[:] = np.uint64(0)
-    found, budget = 0, memory.flood_px
+    found, flooded, fits, budget = 0, 0, True, memory.flood_px
     for seed in range(seeds):
         if seed + AHEAD < seeds:
             _ask_ahead(flat, width, height, seed + AHEAD, memory)
@@ -214,14 +216,29 @@ def flood_seeds(
         if is_visited(memory.visited, y, x):
             continue
         if found == len(blobs):
-            return found, False
+            fits = False
+            break
         area = flood(flat, width, height, classes, x, y, memory.visited, memory.stack, budget, blobs[found])
         if area == BROKE_OFF:
+            memory.visited[:] = np.uint64(0)
             return BROKE_OFF, False
+        box, blob = memory.boxes[flooded], blobs[found]
+        box[LEFT], box[TOP], box[RIGHT], box[BOTTOM] = blob.left, blob.top, blob.right, blob.bottom
+        flooded += 1
         budget -= area
         if area >= memory.min_area_px:
             found += 1
-    return (found, True) if seeds != BROKE_OFF else (BROKE_OFF, False)
+    _forget(memory, flooded)
+    return (found, fits) if seeds != BROKE_OFF else (BROKE_OFF, False)
+
+
+@kernel
+def _forget(memory: SegmentMemory, flooded: int) -> None:
+    """Clear what was flooded: a few thousand bytes where the whole picture has hundreds of thousands."""
+    for box in memory.boxes[:flooded]:
+        for y in range(box[TOP], box[BOTTOM] + 1):
+            for word in range(box[LEFT] >> 6, (box[RIGHT] >> 6) + 1):
+                memory.visited[y, word] = np.uint64(0)
 
 
 @kernel

@@ -114,8 +114,8 @@ def judge(
 def _fit(near: Floats, arms: Floats, tolerance: float, filled: Indices, row: Floats) -> int:
     """Least-squares pose over the anchor and the gathered patches (Procrustes in the plane: Umeyama, 1991).
 
-    Writes heading, the fitted anchor's place from the seen one's, and the sum of squared residuals in squared
-    tolerances; returns the slot whose patch is the farthest beyond the tolerance, -1 if none is.
+    Returns the slot whose patch is the farthest beyond the tolerance, -1 if none is; then it has written heading, the
+    fitted anchor's place from the seen one's, and the sum of squared residuals in squared tolerances.
     """
     number, mean_x, mean_y, model_x, model_y = 1.0, 0.0, 0.0, 0.0, 0.0
     along = across = 0.0
@@ -140,7 +140,8 @@ def _fit(near: Floats, arms: Floats, tolerance: float, filled: Indices, row: Flo
             total += off
             if off > most:
                 worst, most = slot, off
-    row[HEADING], row[X], row[Y], row[MISFIT] = math.atan2(s, c), x, y, total / (tolerance * tolerance)
+    if worst < 0:
+        row[HEADING], row[X], row[Y], row[MISFIT] = math.atan2(s, c), x, y, total / (tolerance * tolerance)
     return worst
 
 
