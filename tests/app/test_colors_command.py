@@ -51,7 +51,9 @@ def test_light_prints_the_line_of_the_settings(picture: Path) -> None:
     out, error = run("light", str(picture))
     assert error is None
     assert tomllib.loads(out)["reference_bgr"] == [60.0, 110.0, 60.0]
-    assert "gains 1.00 1.00 1.00" in out
+    reference = load_settings().colors.light.reference_bgr
+    gains = " ".join(f"{wanted / found:.2f}" for wanted, found in zip(reference, (60.0, 110.0, 60.0), strict=True))
+    assert f"gains {gains}" in out
 
 
 @pytest.mark.parametrize(

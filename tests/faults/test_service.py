@@ -60,6 +60,7 @@ def test_it_is_healthy_ready_and_says_what_it_is(service: RunningService) -> Non
         "capture": "running",
         "perceive": "running",
         "obstacles": "running",
+        "diagnose": "running",
         "serve": "running",
         "web": "running",
     }

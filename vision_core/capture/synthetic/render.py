@@ -29,6 +29,7 @@ PAINTS_BGR = {
     "cyan": (220, 210, 40),
     "purple": (170, 50, 120),
     "magenta": (225, 45, 225),
+    "pale": (200, 215, 215),
     "white": (235, 235, 235),
 }
 """What markers and balls are painted with."""
