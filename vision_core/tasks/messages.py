@@ -5,14 +5,14 @@ benchmarks use the same code as the service.
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import msgspec
 import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
-from vision_core.kernels import kernel
+from vision_core.kernels import Kept, keep, kernel
 from vision_core.mirror_model import Mirror
 from vision_core.net.batch import Batch
 from vision_core.protocol.letters import LetterTable, letters_by_kind
@@ -38,23 +38,40 @@ class Client(Protocol):
     def nul(self) -> bool: ...
 
 
+class Desk(NamedTuple):
+    """What stays the same from frame to frame while no client comes or goes, and where to write."""
+
+    boot: int
+    place: Place
+    sight: Sight
+    page: Table
+    """The REQUEST of the page, shape (1,)."""
+    views: Table
+    """VIEWS, shape (1,)."""
+    requests: Table
+    """Of all clients, shape (n,)."""
+    ink: Ink
+    starts: Integers
+    """Filled in, of each request, shape (n,)."""
+    lengths: Integers
+    """Filled in, 0 where there is no datagram."""
+
+
 @kernel
-def write_messages(
-    world: Table, boot: int, place: Place, sight: Sight, page: Table, views: Table,
-    requests: Table, due: Bytes, ink: Ink, starts: Integers, lengths: Integers,
-) -> None:  # fmt: skip
+def write_messages(world: Table, due: Bytes, kept: Kept) -> None:
     """One frame: what all robots see of a world, as snapshots for the page and as datagrams of the requests due.
 
-    world: WORLD, shape (1,); page: the REQUEST of the page, shape (1,); views: VIEWS, shape (1,); requests: shape (n,),
-    due: 1 for those that want a datagram, starts, lengths: filled in, length 0 where there is none, shape (n,).
+    world: WORLD, shape (1,); due: 1 for the requests that want a datagram, shape (n,); kept: Desk.
     """
+    desk: Desk = kept.value
+    sight, requests, ink, starts, lengths = desk.sight, desk.requests, desk.ink, desk.starts, desk.lengths
     sight.rays[:] = DIRECTIONS
     for k in range(len(requests)):
         if due[k]:
             viewer = requests[k].viewer
             sight.rays[viewer] = max(sight.rays[viewer], requests[k].rays)
-    look_all(world, place, sight)
-    _write_views(world, sight, page, ink.page_px, views)
+    look_all(world, desk.place, sight)
+    _write_views(world, sight, desk.page, ink.page_px, desk.views)
     for k in range(len(requests)):
         request = requests[k]
         seen = sight.seen[request.viewer]
@@ -67,7 +84,7 @@ def write_messages(
             px = ink.page_px[request.viewer]
         else:
             mirror_px(sight.distances_m[seen.start :], 1, request.a, request.b, request.c, request.d, px)
-        starts[k], lengths[k] = write_see(world[0].at - boot, seen, request, rays, kinds, px, k, ink)
+        starts[k], lengths[k] = write_see(world[0].at - desk.boot, seen, request, rays, kinds, px, k, ink)
 
 
 @kernel
@@ -123,10 +140,7 @@ class Messages:
         due = self._all if due is None else due
         if len(due) != len(clients):
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
-        write_messages(
-            world.whole, self._boot, self.eyes.place, self.eyes.sight, self._page, self.views.whole,
-            self._requests, due, self.ink, self._batch.starts, self._batch.lengths,
-        )  # fmt: skip
+        write_messages(world.whole, due, self._kept)
         return self._batch
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
@@ -162,6 +176,12 @@ class Messages:
         self.ink = Ink(hex_words, self._letters, text, words, np.zeros(MOST_RAYS, dtype=np.uint8), self._page_px)
         self._all = np.ones(count, dtype=np.uint8)
         self._batch = Batch(text, np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64))
+        self._kept = keep(
+            Desk(
+                int(self._boot), self.eyes.place, self.eyes.sight, self._page, self.views.whole,
+                self._requests, self.ink, self._batch.starts, self._batch.lengths,
+            )
+        )  # fmt: skip
 
 
 def _constants(mirror: Mirror) -> tuple[float, float, float, float]:
