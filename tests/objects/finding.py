@@ -5,12 +5,12 @@ import numpy as np
 
 from tests.objects.drawing import PAINT_TABLE, SETTINGS, Picture, overhead_camera
 from vision_core.camera_kernels import camera_map_from
-from vision_core.objects.robot_finder import RobotFinder, robot_finder
+from vision_core.objects.robot_finder import RobotFinder, find_robots, robot_finder
 from vision_core.objects.robot_reasons import Scene
 from vision_core.pattern_files import Pattern, load_pattern
 from vision_core.settings import Settings, TeamRobotSettings
 from vision_core.settings_files import config_folder
-from vision_core.types.tables import Table
+from vision_core.types.tables import MOST_ROBOTS, ROBOT, Table
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
 
@@ -46,7 +46,13 @@ def middle(drawn: Picture, height_m: float) -> tuple[float, float]:
 def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1) -> Scene:
     pixels = drawn.as_bytes(noise, seed)
     blobs = drawn.blobs(noise, seed, PAINT_TABLE)
-    return Scene(blobs, pixels, PAINT_TABLE, camera_map_from(drawn.camera))
+    camera = camera_map_from(drawn.camera)
+
+    def look(finder: RobotFinder) -> Table:
+        out = np.zeros(MOST_ROBOTS, dtype=ROBOT)
+        return out[: find_robots(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera, finder, out)]
+
+    return Scene(blobs, pixels, PAINT_TABLE, camera, look)
 
 
 def seen_in(drawn: Picture, finder: RobotFinder, seed: int = 1) -> Table:

@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,13 +17,13 @@ from vision_core.objects.finder_memory import ANCHOR, FIRST_SLOT, HEADING, MATCH
 from vision_core.objects.markers import REFUSED, Marker, marker_of
 from vision_core.objects.poses import code_of
 from vision_core.objects.proposals import place_blobs, propose
-from vision_core.objects.robot_finder import RobotFinder, find_robots, gates_from, robot_finder
+from vision_core.objects.robot_finder import RobotFinder, gates_from, robot_finder
 from vision_core.pattern_files import load_pattern, scaled
 from vision_core.settings import Settings, TeamRobotSettings
 from vision_core.settings_files import config_folder
 from vision_core.settings_models import robots_of
 from vision_core.types.colors import ColorTable
-from vision_core.types.tables import MOST_ROBOTS, NO_ID, ROBOT, TEAMS, Table
+from vision_core.types.tables import NO_ID, TEAMS, Table
 
 NUMERALS = {2: "two", 3: "three", 4: "four"}
 SAME_PLACE_M = 0.5
@@ -46,13 +46,8 @@ class Scene:
     table: ColorTable
     camera: CameraMap
 
-    def robots(self, finder: RobotFinder) -> Table:
-        """What the hot path finds, ROBOT table of shape (n,)."""
-        out = np.zeros(MOST_ROBOTS, dtype=ROBOT)
-        count = find_robots(
-            self.blobs, len(self.blobs), self.pixels, self.table.classes, self.camera, finder, out
-        )  # fmt: skip
-        return out[:count]
+    robots: Callable[[RobotFinder], Table]
+    """What the hot path finds with another finder, ROBOT table of shape (n,)."""
 
 
 def explain_robots(scene: Scene, settings: Settings) -> list[str]:

@@ -3,14 +3,18 @@
 Slow, and so never on the hot path: for stills every time, in the service by a process of its own.
 """
 
-from vision_core.blobs.run_lengths import Segmenter
+import numpy as np
+
+from vision_core.color.candidates import candidate_test
+from vision_core.kernels import keep
 from vision_core.objects.ball_reasons import explain_balls
+from vision_core.objects.robot_finder import RobotFinder
 from vision_core.objects.robot_reasons import Scene, explain_robots
 from vision_core.regions.exposure import exposure_reasons, field_pixels
 from vision_core.regions.lines import line_reasons
-from vision_core.tasks.perception import Perception
+from vision_core.tasks.perception import Perception, perceive_picture
 from vision_core.types.objects import Sightings
-from vision_core.types.tables import SightingsTable
+from vision_core.types.tables import SightingsTable, Table
 
 OVERFLOW = "too many blobs: parts of the picture were not looked at; narrow the color classes or raise blobs.max_runs"
 
@@ -25,9 +29,7 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     table = SightingsTable.of(seen)
     light = (perception.lighting.light.reason,) if perception.lighting.light.reason else ()
     overflow = () if seen.complete else (OVERFLOW,)
-    every = Segmenter(*size, settings.blobs)  # also classes that only other leagues' markers wear
-    count, _ = every.segment(pixels, perception.table)
-    robots = explain_robots(Scene(every.blobs[:count], pixels, perception.table, eyes.camera), settings)
+    robots = explain_robots(scene_of(perception), settings)
     blobs, count = perception.blobs, perception.blob_count
     balls = explain_balls(
         blobs, count, pixels, eyes.classes, eyes.camera, table.robots, len(seen.robots), eyes.balls, settings.ball.color
@@ -35,6 +37,26 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     conflicts = () if seen.robots and seen.balls else disputes(perception)
     lines = line_reasons(perception.raw, settings.field, perception.camera)
     return (*light, *overflow, *robots, *balls, *conflicts, *lines)
+
+
+def scene_of(perception: Perception) -> Scene:
+    """The frame that was perceived last, with the blobs of all classes: other leagues' markers wear other ones.
+
+    Other finders look at it through the compiled call of the hot path, so that nothing is compiled for them.
+    """
+    every = perception.eyes._replace(
+        searched=perception.table.classes,
+        candidates=candidate_test(perception.table),
+        watch=np.zeros_like(perception.eyes.watch),
+    )
+    blobs, seen = np.zeros_like(perception.blobs), SightingsTable()
+
+    def look(finder: RobotFinder) -> tuple[int, Table]:
+        count = perceive_picture(perception.pixels, -1.0, keep(every._replace(robots=finder)), blobs, seen.whole)
+        return count, seen.robots[: seen.counts[0]].copy()
+
+    count, _ = look(every.robots)
+    return Scene(blobs[:count], perception.pixels, perception.table, every.camera, lambda finder: look(finder)[1])
 
 
 def disputes(perception: Perception) -> tuple[str, ...]:

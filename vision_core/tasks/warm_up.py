@@ -12,16 +12,23 @@ from vision_core.clock import Instant, ManualClock
 from vision_core.net.batch import Batch, Lines
 from vision_core.rtdb.attachment import end_with
 from vision_core.settings import Settings
+from vision_core.tasks.diagnosis import reasons_of
 from vision_core.tasks.messages import Messages
 from vision_core.tasks.perception import Perception
 from vision_core.tracks.tracker import Tracker
+from vision_core.types.image import ImageFrame
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import SightingsTable, obstacle_table
 
 
 def perception(settings: Settings) -> None:
-    """An empty picture."""
-    Perception(settings).warm_up()
+    """An empty picture, and why nothing is seen in a meaningless one."""
+    eyes = Perception(settings)
+    eyes.warm_up()
+    size = settings.camera.height_px, settings.camera.width_px, 3
+    noise = np.random.default_rng(1).integers(0, 255, size, dtype=np.uint8)
+    seen = eyes.perceive(ImageFrame(settings.camera.name, 1, Instant(0), noise), ManualClock()).record()
+    reasons_of(eyes, seen)
 
 
 def views(settings: Settings) -> None:
