@@ -116,25 +116,33 @@ WORLD = np.dtype(
 )  # fmt: skip
 
 
-class SightingsTable:
+class _OneRow:
+    """A table of one row, in memory of its own: what a record is in the hot path and in the database."""
+
+    def __init__(self, kind: np.dtype[Any], memory: bytes | bytearray | memoryview | None) -> None:
+        self.whole: Table = np.zeros(1, dtype=kind)
+        """The row, shape (1,)."""
+        self.bytes: memoryview = self.whole.view(np.uint8).data
+        """The table's memory."""
+        if memory is not None:
+            self.load(memory)
+
+    def load(self, memory: bytes | bytearray | memoryview) -> None:
+        """Take over the bytes of another table."""
+        self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
+
+
+class SightingsTable(_OneRow):
     """Everything seen in one frame, ordered as ``Sightings``."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
         """A table in memory of its own (filled from bytes, when given)."""
-        self.whole: Table = np.zeros(1, dtype=SIGHTINGS)
-        if memory is not None:
-            self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
+        super().__init__(SIGHTINGS, memory)
         row = self.whole[0]
         self.counts: NDArray[np.int64] = row["counts"]
         """How many robots and balls there are."""
         self.robots: Table = row["robots"]
         self.balls: Table = row["balls"]
-        self.bytes: memoryview = self.whole.view(np.uint8).data
-        """The table's memory."""
-
-    def load(self, memory: bytes) -> None:
-        """Take over the bytes of another table."""
-        self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
 
     def stamp(self, camera: str, frame_number: int, grabbed: Instant, perceived: Instant) -> None:
         """Say which frame it tells of."""
@@ -175,22 +183,18 @@ class SightingsTable:
         return table
 
 
-class WorldTable:
+class WorldTable(_OneRow):
     """The field at one instant, ordered as ``World``."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
         """A table in memory of its own (filled from bytes, when given)."""
-        self.whole: Table = np.zeros(1, dtype=WORLD)
-        if memory is not None:
-            self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
+        super().__init__(WORLD, memory)
         row = self.whole[0]
         self.counts: NDArray[np.int64] = row["counts"]
         """How many robots, balls (0 or 1) and obstacles there are."""
         self.robots: Table = row["robots"]
         self.balls: Table = row["balls"]
         self.obstacles: Table = row["obstacles"]
-        self.bytes: memoryview = self.whole.view(np.uint8).data
-        """The table's memory."""
 
     def record(self) -> World:
         """The same for people."""
@@ -226,16 +230,12 @@ class WorldTable:
         return table
 
 
-class ViewsTable:
+class ViewsTable(_OneRow):
     """What every robot would see, as it goes over the wire."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
         """A table in memory of its own (filled from bytes, when given)."""
-        self.whole: Table = np.zeros(1, dtype=VIEWS)
-        if memory is not None:
-            self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
-        self.bytes: memoryview = self.whole.view(np.uint8).data
-        """The table's memory."""
+        super().__init__(VIEWS, memory)
 
     def record(self) -> Views:
         """The same for people."""
