@@ -200,7 +200,7 @@ class FakeService:
         )
         if self.scene.unread:
             robots = (replace(robots[0], id=None, heading_rad=0.0, heading_sd_rad=1.8), *robots[1:])
-        things = tuple(ObstacleTrack(x, y, radius, grabbed) for x, y, radius in self._things())
+        things = tuple(ObstacleTrack(x, y, 0.0, 0.0, radius, grabbed) for x, y, radius in self._things())
         return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed), things)
 
     def _serving(self) -> Serving:

@@ -1,13 +1,14 @@
-"""Obstacles appear with their second sighting, stay between their frames, and are never a robot."""
+"""Obstacles appear with their second sighting, are predicted between their frames, and are never a robot."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from vision_core.clock import Instant, after
+from vision_core.geometry import Floats
 from vision_core.settings import RobotSettings, TeamRobotSettings
 from vision_core.settings_files import load_settings
 from vision_core.tracks.tracker import Tracker
@@ -19,6 +20,8 @@ SETTINGS = load_settings()
 VALIDITY_S = SETTINGS.tracks.obstacle_validity_ms / 1000.0
 START = Instant(5_000_000_000)
 Thing = tuple[float, float]
+FRAMES_HZ, EVERY = 200.0, 20
+"""Frames, and how many of them there are to an obstacle frame: looks at 10 Hz."""
 
 
 class Film:
@@ -46,11 +49,11 @@ def places(world: World) -> set[Thing]:
     return {(round(thing.x_m, 3), round(thing.y_m, 3)) for thing in world.obstacles}
 
 
-def test_an_obstacle_appears_with_its_second_sighting_at_its_newest_place() -> None:
+def test_an_obstacle_appears_with_its_second_sighting() -> None:
     film = Film()
     assert places(film.show((0.5, 0.0))) == set()
-    world = film.show((0.52, 0.0))
-    assert places(world) == {(0.52, 0.0)}
+    world = film.show((0.5, 0.0))
+    assert places(world) == {(0.5, 0.0)}
     assert (world.obstacles[0].radius_m, world.obstacles[0].seen) == (0.08, film.at)
 
 
@@ -66,7 +69,8 @@ def test_it_stays_until_the_next_obstacle_frame_tells_otherwise() -> None:
     film.show((0.5, 0.0))
     for _ in range(20):
         assert places(film.show(told=False)) == {(0.5, 0.0)}
-    assert places(film.show((0.7, 0.0))) == {(0.7, 0.0)}
+    (thing,) = film.show((0.7, 0.0)).obstacles
+    assert thing.x_m == pytest.approx(0.7, abs=0.002)
     assert places(film.show()) == set()
 
 
@@ -132,7 +136,8 @@ def test_square_robots_are_square(heading: float, inside: bool) -> None:
 def test_two_that_cross_are_two() -> None:
     film = Film()
     film.show((0.0, 0.0), (0.2, 0.0))
-    assert places(film.show((0.05, 0.0), (0.15, 0.0))) == {(0.05, 0.0), (0.15, 0.0)}
+    world = film.show((0.05, 0.0), (0.15, 0.0))
+    assert [thing.x_m for thing in world.obstacles] == pytest.approx([0.05, 0.15], abs=0.005)
 
 
 def test_more_than_there_is_room_for_and_at_no_place() -> None:
@@ -140,3 +145,71 @@ def test_more_than_there_is_room_for_and_at_no_place() -> None:
     crowd = [(math.nan, 0.0), *((float(x), float(y)) for x, y in np.ndindex(10, 10))]
     film.show(*crowd)
     assert len(film.show(*crowd).obstacles) == MOST_OBSTACLES - 1
+
+
+def followed(path: Callable[[float], Thing], duration_s: float, noise_m: float = 0.0, seed: int = 1) -> Floats:
+    """Place, velocity and error of the only obstacle in every frame once it is there: rows t x y vx vy error [s, m].
+
+    path: where the thing is, by the time.
+    """
+    rng, tracker, rows = np.random.default_rng(seed), Tracker(SETTINGS.tracks, SETTINGS.robots), []
+    for frame in range(round(duration_s * FRAMES_HZ)):
+        t = frame / FRAMES_HZ
+        at, there = after(START, t), np.array(path(t))
+        x, y = (there + rng.normal(0.0, noise_m, 2)).tolist()
+        things = obstacle_table((ObstacleSighting(0.0, 0.0, x, y, 0.08, 0.9),))
+        seen = SightingsTable.of(Sightings("main", frame, at, at, (), (), True))
+        world = tracker.update(seen, None if frame % EVERY else things).record()
+        for thing in world.obstacles:
+            error = math.dist(there, (thing.x_m, thing.y_m))
+            rows.append((t, thing.x_m, thing.y_m, thing.vx_m_s, thing.vy_m_s, error))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("noise_m", [0.0, 0.003])
+def test_what_moves_is_predicted_between_looks(noise_m: float) -> None:
+    for seed in range(5):
+        rows = followed(lambda t: (0.8 * t - 1.0, 0.6 * t), 2.0, noise_m, seed)
+        late = rows[rows[:, 0] >= 0.5]
+        assert len(late) == 300
+        assert late[:, 5].max() < 0.02
+        assert np.abs(late[:, 3:5] - (0.8, 0.6)).max() < 0.1
+
+
+def test_what_rests_stays_at_rest() -> None:
+    for seed in range(5):
+        rows = followed(lambda t: (0.3, -0.2), 10.0, 0.003, seed)
+        assert len(rows) == 2000 - EVERY
+        assert rows[rows[:, 0] >= 0.5][:, 5].max() < 0.006
+        assert np.hypot(rows[:, 3], rows[:, 4]).mean() < 0.01
+
+
+def test_what_starts_turns_and_stops_is_followed_from_its_next_looks_on() -> None:
+    def path(t: float) -> Thing:
+        """Stands, drives at 1 m/s, turns by a right angle, stands; each for a second."""
+        return min(max(t - 1.0, 0.0), 1.0), min(max(t - 2.0, 0.0), 1.0)
+
+    rows = followed(path, 4.0, 0.002)
+    calm = (rows[:, 0] % 1.0) >= 0.3
+    assert rows[calm][:, 5].max() < 0.02
+    assert rows[:, 5].max() < 0.15  # until the next look nobody knows that it turned
+
+
+def test_what_creeps_is_followed() -> None:
+    rows = followed(lambda t: (0.05 * t, 0.0), 4.0, 0.003)
+    assert rows[:, 5].max() < 0.025
+
+
+def test_no_obstacle_is_faster_than_anything_there() -> None:
+    film = Film()
+    film.show((0.0, 0.0))
+    (thing,) = film.show((0.2, 0.0)).obstacles  # 20 m/s
+    assert math.hypot(thing.vx_m_s, thing.vy_m_s) <= 3.0 + 1e-9
+
+
+def test_it_is_told_where_it_will_be() -> None:
+    film = Film()
+    for step in range(20):
+        film.show((0.02 * step, 0.0))
+    (thing,) = film.tracker.predict(after(film.at, 0.1)).record().obstacles
+    assert (thing.x_m, thing.y_m) == pytest.approx((0.02 * 19 + 0.2, 0.0), abs=0.01)

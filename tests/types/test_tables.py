@@ -18,7 +18,7 @@ SEEN = Sightings(
 THERE = World(
     7, Instant(10),
     (RobotTrack(Team.YELLOW, None, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, Instant(9)),),
-    BallTrack(0.5, 0.6, 0.7, 0.8, 0.002, True, Instant(8)), (ObstacleTrack(1.0, 2.0, 0.09, Instant(7)),),
+    BallTrack(0.5, 0.6, 0.7, 0.8, 0.002, True, Instant(8)), (ObstacleTrack(1.0, 2.0, 0.3, -0.4, 0.09, Instant(7)),),
 )  # fmt: skip
 NOWHERE = World(0, Instant(0), (), None, ())
 

@@ -50,8 +50,8 @@ def world(*robots: RobotTrack, ball: BallTrack | None = None) -> World:
 
 
 def obstacle(x_m: float, y_m: float, radius_m: float) -> ObstacleTrack:
-    """A thing that nobody knows."""
-    return ObstacleTrack(x_m, y_m, radius_m, AT)
+    """A thing at rest that nobody knows."""
+    return ObstacleTrack(x_m, y_m, 0.0, 0.0, radius_m, AT)
 
 
 class Observer:

@@ -24,6 +24,7 @@ Rules:
   add to it (``tracks.robot_noise_m`` and its like, in quadrature).
 - Gates are metric where the filter is sure (``tracks.gate_m``) and statistical (three standard deviations)
   where it is not: after a gap, at a low frame rate, just after the start.
+- An obstacle is thought at rest, or to go on as it goes, until a sighting startles: then its velocity is free again.
 - Place decides before name. A robot that is read under another's number is still the robot that stood there;
   numbers change hands only after two readings.
 - Nothing older than its validity leaves the stage.

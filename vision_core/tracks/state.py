@@ -47,9 +47,7 @@ its id to another track; the nearest free sighting and its squared distance."""
 
 BALL_LIFE = np.dtype([*PLACE, ("seen", np.int64)])
 
-OBSTACLE_LIFE = np.dtype(
-    [("x_m", np.float64), ("y_m", np.float64), ("radius_m", np.float64), ("seen", np.int64), ("sightings", np.int64)]
-)  # fmt: skip
+OBSTACLE_LIFE = np.dtype([*PLACE, ("radius_m", np.float64), ("seen", np.int64), ("sightings", np.int64)])
 
 STATE = np.dtype(
     [

@@ -16,7 +16,7 @@ class Tracker:
     """Turns sightings, frame by frame, into the state of the field at any instant.
 
     A robot's track starts with its first sighting and is predicted for ``tracks.validity_ms`` past its last
-    one; the ball's for ``tracks.ball_validity_ms``; an obstacle stays for ``tracks.obstacle_validity_ms``. An id (or
+    one; the ball's for ``tracks.ball_validity_ms``; an obstacle's for ``tracks.obstacle_validity_ms``. An id (or
     a ball) that appears beyond its track's gate does not move it at once: the track starts over there only when a
     second sighting confirms the new place. The rules stand in ``vision_core.tracks.robot_lives``, ``ball_lives`` and
     ``obstacle_lives``.

@@ -77,7 +77,10 @@ BALL_TRACK = np.dtype(
 )  # fmt: skip
 
 OBSTACLE_TRACK = np.dtype(
-    [("x_m", np.float64), ("y_m", np.float64), ("radius_m", np.float64), ("seen", np.int64)]
+    [
+        ("x_m", np.float64), ("y_m", np.float64), ("vx_m_s", np.float64), ("vy_m_s", np.float64),
+        ("radius_m", np.float64), ("seen", np.int64),
+    ]
 )  # fmt: skip
 
 MOST_NUMBERS = 16
@@ -205,7 +208,7 @@ class WorldTable(_OneRow):
             at=Instant(int(row["at"])),
             robots=tuple(_robot_track(track) for track in self.robots[:robots].tolist()),
             ball=_ball_track(self.balls[0].tolist()) if balls else None,
-            obstacles=tuple(ObstacleTrack(x, y, r, Instant(s)) for x, y, r, s in self.obstacles[:obstacles].tolist()),
+            obstacles=tuple(_obstacle_track(track) for track in self.obstacles[:obstacles].tolist()),
         )
 
     @classmethod
@@ -226,7 +229,7 @@ class WorldTable(_OneRow):
                 ball.x_m, ball.y_m, ball.vx_m_s, ball.vy_m_s, ball.position_sd_m, ball.hidden, ball.seen
             )  # fmt: skip
         for index, thing in enumerate(world.obstacles):
-            table.obstacles[index] = (thing.x_m, thing.y_m, thing.radius_m, thing.seen)
+            table.obstacles[index] = (thing.x_m, thing.y_m, thing.vx_m_s, thing.vy_m_s, thing.radius_m, thing.seen)
         return table
 
 
@@ -287,6 +290,11 @@ def _robot_track(row: tuple[Any, ...]) -> RobotTrack:
 def _ball_track(row: tuple[Any, ...]) -> BallTrack:
     x, y, vx, vy, position_sd, hidden, seen = row
     return BallTrack(x, y, vx, vy, position_sd, bool(hidden), Instant(seen))
+
+
+def _obstacle_track(row: tuple[Any, ...]) -> ObstacleTrack:
+    x, y, vx, vy, radius, seen = row
+    return ObstacleTrack(x, y, vx, vy, radius, Instant(seen))
 
 
 def _view(row: tuple[Any, ...]) -> ViewSnapshot:

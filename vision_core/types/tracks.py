@@ -44,10 +44,12 @@ class BallTrack:
 
 @dataclass(frozen=True, slots=True)
 class ObstacleTrack:
-    """A thing of robot size that nobody knows: a circle on the floor."""
+    """A thing of robot size that nobody knows, at the world's instant: a circle on the floor."""
 
     x_m: float
     y_m: float
+    vx_m_s: float
+    vy_m_s: float
     radius_m: float
     seen: Instant
 
