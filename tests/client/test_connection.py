@@ -11,6 +11,7 @@ from tests.client.fake import ScriptedServer
 from tests.net.serving import Stadium, running
 from vision_core.client import Options, connect
 from vision_core.client.connection import RESTART_S, SILENCE_S
+from vision_core.client.lag import REPORT_S, TO_REPORTS
 from vision_core.clock import ManualClock
 from vision_core.errors import ConnectionRefused
 from vision_core.protocol.lifecycle import State
@@ -163,6 +164,33 @@ def test_silence_is_asked_about_at_the_session_port_and_then_at_the_main_port() 
             robot.latest()
             wait_until(lambda: len(main.heard) == 2)
             assert main.heard == [b"(init blue 3)"] * 2
+
+
+def test_reports_reach_a_real_server(stadium: Stadium, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vision_core.client.lag.REPORT_S", 0.1)
+    with connect(HOST, stadium.port, "blue", 5) as robot:
+        (session,) = [one for one in stadium.server.sessions if (one.team, one.number) == (Team.BLUE, 5)]
+        for _ in robot:  # a report that the next view overtakes is passed over; the first one knows no use yet
+            if session.client_s is not None:
+                break
+    assert session.network_s is not None
+
+
+@pytest.mark.parametrize("error", sorted(TO_REPORTS))
+def test_an_error_about_a_report_does_not_end_the_session(error: ErrorName) -> None:
+    """The server was restarted; or it is an older one, which soon hears no more reports."""
+    clock, times = ManualClock(), itertools.count(1)
+
+    def answer(data: bytes) -> list[bytes]:
+        first = {b"(i": [GRANTED], b"(l": [b"(error %s)" % error.encode()]}.get(data[:2], [])
+        return [*first, see(next(times))]
+
+    with ScriptedServer(answer) as server, connect(HOST, server.port, "blue", 3, clock=clock) as robot:
+        for _ in range(8):
+            assert robot.receive(2.0) is not None
+            clock.advance(max(SILENCE_S, REPORT_S))
+    reports = sum(data.startswith(b"(lag ") for data in server.heard)
+    assert 1 <= reports <= 3 if error == ErrorName.UNKNOWN_COMMAND else reports >= 4
 
 
 def test_a_restarted_server_is_found_again() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.net.serving import Stadium, robot
-from vision_core.clock import Instant
+from vision_core.clock import NS_PER_S, Instant
 from vision_core.net.batch import Batch
 from vision_core.net.server import MOST_DATAGRAMS
 from vision_core.net.udp import Outcome, SessionSocket
@@ -75,6 +75,30 @@ def test_a_robot_that_the_camera_does_not_see_hears_nothing(stadium: Stadium) ->
         stadium.blind = False
         stadium.send_frame()
         assert client.recv(2000).startswith(b"(see ")
+
+
+def test_a_report_on_the_view_just_sent_tells_the_networks_lag(stadium: Stadium) -> None:
+    """It holds also when sessions come in between; the one on an older view tells nothing."""
+    with robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        server = client.recvfrom(2000)[1]
+        stadium.send_frame()
+        older = client.recv(2000).split()[1]
+        (delivery,) = stadium.send_frame().deliveries
+        newest = client.recv(2000).split()[1]
+        session = delivery.session
+        client.sendto(b"(lag %s 0 1)" % older, server)
+        stadium.serve()
+        assert session.network_s is None
+        with robot(stadium, b"(init blue 4)"):
+            stadium.serve()
+            assert len(stadium.server.due(stadium.clock.now())[0]) == 2
+            client.sendto(b"(lag %s 0 1.5)" % newest, server)
+            assert stadium.serve() == []
+        assert session.served_at == delivery.sent
+        assert session.network_s is not None
+        assert 0.0 < 2.0 * session.network_s <= (session.reported - delivery.sent) / NS_PER_S
+        assert session.client_s == pytest.approx(0.0015)
 
 
 def test_no_frame_is_sent_twice(stadium: Stadium) -> None:

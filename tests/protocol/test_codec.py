@@ -1,6 +1,7 @@
 """Messages to bytes and back; and whatever else may come in."""
 
 import time
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 
 from vision_core.mirror_model import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import SERVER_WORDS, decode_commands, decode_message, encode, encode_see
-from vision_core.protocol.messages import HIDDEN, Ball, Bye, Error, Faulty, Init, InitReply, Request, See, Warn
+from vision_core.protocol.messages import HIDDEN, Ball, Bye, Error, Faulty, Init, InitReply, Lag, Request, See, Warn
 from vision_core.protocol.options import MOST_DIRECTIONS, Options
 from vision_core.protocol.refusals import MEANINGS, ErrorName
 from vision_core.types.objects import Team
@@ -35,6 +36,8 @@ option_sets = st.builds(
 robots = st.tuples(st.sampled_from(Team), st.integers(1, 16))
 edge = st.tuples(st.sampled_from("wuvqrxyAPap-"), st.integers(0, 255)).map(lambda e: f"{e[0]}{e[1]:02x}".encode())
 balls = st.just(HIDDEN) | st.builds(Ball, st.integers(0, 254), st.integers(0, 359), st.integers(1, 180))
+shares_s = st.integers(0, 10**7).map(lambda us: us / 1e6)
+lags = st.builds(Lag, st.integers(0, 10**15), shares_s, st.none() | shares_s)
 sees = st.builds(See, st.integers(0, 10**15), st.lists(edge, max_size=448).map(b"".join), balls)
 
 
@@ -88,6 +91,22 @@ def test_bye_survives_the_wire(bye: Bye) -> None:
     assert only(encode(bye)) == bye
 
 
+@given(lags, st.none() | robots)
+def test_a_report_survives_the_wire(lag: Lag, robot: tuple[Team, int] | None) -> None:
+    sent = lag if robot is None else replace(lag, team=robot[0], number=robot[1])
+    heard = only(encode(sent))
+    assert isinstance(heard, Lag)
+    assert replace(heard, hold_s=0.0, client_s=None) == replace(sent, hold_s=0.0, client_s=None)
+    assert heard.hold_s == pytest.approx(sent.hold_s)
+    assert heard.client_s == (None if sent.client_s is None else pytest.approx(sent.client_s))
+
+
+@pytest.mark.parametrize("time", [b"20306.148", b"20306.148000", b"020306.1480009"])
+def test_a_report_may_print_time_in_its_own_way(time: bytes) -> None:
+    assert only(b"(LAG %s .5 -)" % time) == Lag(20306_148000, 0.0005, None)
+    assert only(b"(lag (team blue) 3 %s 5e-1 1.)" % time) == Lag(20306_148000, 0.0005, 0.001, Team.BLUE, 3)
+
+
 @pytest.mark.parametrize(
     ("datagram", "error"),
     [
@@ -104,6 +123,26 @@ def test_bye_survives_the_wire(bye: Bye) -> None:
         (b"(init blue 3 (mirror 1 2))", ErrorName.ILLEGAL_MIRROR),
         (b"(bye blue)", ErrorName.ILLEGAL_FORM),
         (b"(bye pink 3)", ErrorName.ILLEGAL_TEAM),
+        *(
+            (b"(lag %s)" % words, ErrorName.ILLEGAL_FORM)
+            for words in (
+                b"",
+                b"1.0",
+                b"1.0 0.1",
+                b"1.0 0.1 2 3",
+                b"blue 1.0 0.1 2",
+                b"-1.0 0.1 2",
+                b"1e3 0.1 2",
+                b"(1.0) 0.1 2",
+                b"1.0 - 2",
+                b"1.0 nan 2",
+                b"1.0 0.1 inf",
+                b"1.0 0.1 (2)",
+                b"99999999999 0.1 2",
+            )
+        ),
+        (b"(lag pink 3 1.0 0.1 2)", ErrorName.ILLEGAL_TEAM),
+        (b"(lag blue 0 1.0 0.1 2)", ErrorName.ILLEGAL_NUMBER),
         (b"()", ErrorName.ILLEGAL_FORM),
         (b"((init) blue 3)", ErrorName.ILLEGAL_FORM),
         (b"(init blue 3", ErrorName.ILLEGAL_FORM),
@@ -157,7 +196,7 @@ def test_every_error_has_a_meaning() -> None:
     assert set(MEANINGS) == set(ErrorName)
 
 
-@given(st.binary(max_size=1400) | st.text(alphabet="(see init)blue 3.\0-wff\n", max_size=200).map(str.encode))
+@given(st.binary(max_size=1400) | st.text(alphabet="(see init lag)blue 3.\0-wff\n", max_size=200).map(str.encode))
 def test_garbage_is_no_exception(garbage: bytes) -> None:
     request = decode_commands(garbage)
     assert request is None or request.commands

@@ -1,12 +1,14 @@
 """One session: which views it wants, and its states."""
 
+import math
+
 import pytest
 
 from tests.protocol.samples import BOOT, CLIENT
-from vision_core.clock import Instant
-from vision_core.protocol.lifecycle import TRANSITIONS, Change, Session, State
-from vision_core.protocol.messages import Init
-from vision_core.protocol.options import Options
+from vision_core.clock import Instant, after
+from vision_core.protocol.lifecycle import NEVER, REPORT_PERIOD_S, TRANSITIONS, Change, Session, State
+from vision_core.protocol.messages import LONGEST_LAG_S, Init, Lag
+from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
 
 MS = 1_000_000
@@ -54,6 +56,61 @@ def test_a_rate_thins_out_evenly(rate: int, jitter_ms: float) -> None:
 def test_no_burst_after_a_pause() -> None:
     at = [Instant(BOOT + ms * MS) for ms in (0, 5000, 5033, 5067, 5100)]
     assert served(Options(rate_hz=10), at) == [0, 5000, 5067]
+
+
+SENT = Instant(BOOT + 2_010 * MS)
+"""When the view of 2.0005 s was sent."""
+
+
+def reported(lag: Lag, options: Options = PAPER_OPTIONS) -> Session:
+    """A session that was sent a view, and 8 ms later heard a report."""
+    one = session(options)
+    one.note_served(Instant(BOOT + 2_000 * MS + MS // 2))
+    one.served_at = SENT
+    one.note_report(lag, after(SENT, 0.008))
+    return one
+
+
+@pytest.mark.parametrize(("time", "time_us"), [("ms", 2_000_000), ("us", 2_000_500)])
+def test_a_report_on_the_last_view_splits_the_lag(time: str, time_us: int) -> None:
+    one = reported(Lag(time_us, 0.002, 0.005), Options(time=time))
+    assert one.network_s == pytest.approx(0.003)
+    assert (one.client_s, one.reported) == (0.005, after(SENT, 0.008))
+    assert reported(Lag(time_us + 1, 0.002, 0.005), Options(time=time)).network_s is None
+
+
+def test_what_a_client_does_not_know_is_not_known() -> None:
+    one = reported(Lag(2_000_000, 0.002, None))
+    assert one.network_s == pytest.approx(0.003)
+    assert one.client_s is None
+
+
+def test_who_claims_to_have_held_it_for_longer_than_there_was_time_has_no_network_lag() -> None:
+    assert reported(Lag(2_000_000, 0.1, None)).network_s == 0.0
+
+
+@pytest.mark.parametrize("absurd_s", [-0.001, LONGEST_LAG_S + 0.001, math.inf, math.nan])
+def test_absurd_reports_change_nothing(absurd_s: float) -> None:
+    for lag in (Lag(2_000_000, absurd_s, 0.005), Lag(2_000_000, 0.002, absurd_s)):
+        one = reported(lag)
+        assert (one.network_s, one.client_s, one.reported) == (None, None, NEVER)
+
+
+def test_reports_are_taken_now_and_then() -> None:
+    one = reported(Lag(2_000_000, 0.0, 0.001))
+    one.note_report(Lag(2_000_000, 0.0, 0.002), after(one.reported, 0.9 * REPORT_PERIOD_S))
+    assert one.client_s == 0.001
+    one.note_report(Lag(2_000_000, 0.0, 0.003), after(one.reported, REPORT_PERIOD_S))
+    assert one.client_s == 0.003
+
+
+def test_before_the_first_view_and_after_a_restart_there_is_nothing_to_report_on() -> None:
+    fresh = session(Options())
+    fresh.note_report(Lag(0, 0.0, 0.001), after(BOOT, 1.0))
+    one = reported(Lag(2_000_000, 0.0, 0.001))
+    restarted = Session.from_plain(one.to_plain(), BOOT)
+    restarted.note_report(Lag(2_000_000, 0.0, 0.001), after(SENT, 1.0))
+    assert (fresh.reported, restarted.reported) == (NEVER, NEVER)
 
 
 def test_everything_that_is_open_can_be_closed_and_nothing_comes_back() -> None:

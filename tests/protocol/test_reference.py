@@ -7,7 +7,8 @@ import pytest
 
 from tests.protocol.samples import LETTERS
 from vision_core.protocol.codec import COMMANDS, LONGEST_COMMAND, decode_commands, decode_message
-from vision_core.protocol.messages import Faulty, Init, See
+from vision_core.protocol.lifecycle import REPORT_PERIOD_S
+from vision_core.protocol.messages import LONGEST_LAG_S, Faulty, Init, See
 from vision_core.protocol.options import MOST_DIRECTIONS, RULES
 from vision_core.protocol.refusals import ErrorName
 from vision_core.protocol.session import OFTEN
@@ -35,6 +36,12 @@ def test_every_option_has_a_line_and_the_lines_hold() -> None:
             assert isinstance(request.commands[0], Init), asked
 
 
+def test_reports_are_bounded_as_it_says() -> None:
+    assert f"outside 0..{LONGEST_LAG_S * 1000:.0f} is passed over" in REFERENCE
+    assert "within half a second of your last report" in REFERENCE
+    assert REPORT_PERIOD_S == 0.5
+
+
 def test_every_command_is_named() -> None:
     assert all(f'"({command}"' in REFERENCE for command in COMMANDS)
     assert f"at most {MOST_DIRECTIONS}" in REFERENCE
@@ -49,7 +56,7 @@ def test_every_letter_has_a_line(letter: str) -> None:
 
 def test_messages_shown_are_legal() -> None:
     assert isinstance(decode_message(b"(see 20306.148 ((edge) w2cw2cw2d...-ff) ((ball) 61 121 3))"), See)
-    for shown in re.findall(r"`(\((?:init|bye) ?(?:blue|\(team blue)[^`]*\))`", REFERENCE):
+    for shown in re.findall(r"`(\((?:init|bye|lag) ?(?:blue|\(team blue|\d)[^`]*\))`", REFERENCE):
         request = decode_commands(shown.encode())
         assert request is None or not isinstance(request.commands[0], Faulty), shown
 

@@ -143,6 +143,40 @@ def test_one_socket_may_hold_several_robots_and_must_name_them() -> None:
     assert server.hear(b"(bye)") == [SessionClosed(third, Change.LEFT)]
 
 
+def served(session: Session, server: Server) -> Session:
+    """It was just sent the view of Time 0.000."""
+    session.note_served(BOOT)
+    session.served_at = server.clock.now()
+    return session
+
+
+@pytest.mark.parametrize("arrival", [MAIN, SESSION])
+def test_a_report_is_noted_and_not_answered(arrival: Arrival) -> None:
+    server = Server()
+    session = served(opened(server), server)
+    server.clock.advance(0.010)
+    assert server.hear(b"(lag 0.000 2 5.5)", arrival=arrival) == []
+    assert session.network_s == pytest.approx(0.004)
+    assert session.client_s == 0.0055
+    assert session.reported == session.heard == server.clock.now()
+
+
+def test_a_report_needs_a_session() -> None:
+    server = Server()
+    session = served(opened(server), server)
+    assert server.answers(b"(lag 0.000 2 5.5)", OTHER) == [b"(error not_connected)"]
+    assert server.answers(b"(lag blue 4 0.000 2 5.5)") == [b"(error not_connected)"]
+    assert session.network_s is None
+
+
+def test_one_socket_with_several_robots_reports_by_name() -> None:
+    server = Server()
+    third, fourth = served(opened(server), server), served(opened(server, b"(init blue 4)"), server)
+    assert server.answers(b"(lag 0.000 0 5)") == [b"(error illegal_form)"]
+    assert server.hear(b"(lag blue 4 0.000 0 5)") == []
+    assert (third.client_s, fourth.client_s) == (None, 0.005)
+
+
 def test_a_newer_client_of_the_same_computer_takes_over() -> None:
     server = Server()
     old = opened(server)

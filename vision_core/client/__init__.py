@@ -9,10 +9,11 @@
 Theory of operation. ``connect`` sends ``(init blue 3)`` until the server answers. A ``Connection`` then
 turns each ``see`` into a ``View`` of arrays; older datagrams than the last one are dropped, and
 ``latest`` skips to the newest. It keeps the session alive, and when the server was restarted it asks
-again, so iteration goes on. Silence is normal, the camera may not see the robot: it is ``None``, no error.
+again, so iteration goes on. Once a second it reports its share of the lag: from a view's arrival to the
+program's next call. Silence is normal, the camera may not see the robot: it is ``None``, no error.
 Millimetres are as right as the mirror that ``connect`` is told; pixels need none.
 
-NumPy and the standard library are enough, on any system. Files: ``connection``, ``view``, and
+NumPy and the standard library are enough, on any system. Files: ``connection``, ``view``, ``lag``, and
 ``__main__``, the command ``python -m vision_core.client``.
 """
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from types import TracebackType
 from typing import Self
 
+from vision_core.client.lag import LagReports, SockAddress, receive_stamped, stamp_arrivals
 from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
 from vision_core.errors import ConnectionRefused
@@ -27,8 +28,6 @@ RESTART_S = 3.0
 PATIENCE_S = 1.0
 MOST_AT_ONCE = 1000
 """More than a socket's buffer holds: draining it ends, whatever comes in [datagrams]."""
-
-SockAddress = tuple[str, int] | tuple[str, int, int, int] | tuple[int, bytes]
 
 
 def connect(
@@ -74,7 +73,9 @@ class Connection:
         family, self._main = _resolved(self._name, host, port)
         self._server = self._main
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
-        self._heard = self._asked = clock.now()
+        stamp_arrivals(self._socket)
+        self._heard = self._asked = self._arrived = clock.now()
+        self._lag = LagReports(self._heard)
         self._time_us = -1
 
     def __enter__(self) -> Self:
@@ -119,17 +120,19 @@ class Connection:
 
     def receive(self, timeout_s: float) -> View | None:
         """The next view; None when none came in time. Raises ConnectionRefused when the server ends the session."""
+        self._lag.view_used(self._clock.now())
         deadline = after(self._clock.now(), timeout_s)
         while True:
             self._stay()
             message = self._next_message(min(deadline, after(self._clock.now(), SILENCE_S)))
             if isinstance(message, See):
-                return view_from_see(message, self.init.options, self.mirror)
+                return self._view(message)
             if self._clock.now() >= deadline:
                 return None
 
     def latest(self) -> View | None:
         """The newest view that has come, without waiting; None when there is no new one. Raises ConnectionRefused."""
+        self._lag.view_used(self._clock.now())
         self._stay()
         newest = None
         for _ in range(MOST_AT_ONCE):
@@ -137,13 +140,20 @@ class Connection:
             if message is None:
                 break
             newest = message if isinstance(message, See) else newest
-        return view_from_see(newest, self.init.options, self.mirror) if newest else None
+        return self._view(newest) if newest else None
 
     def close(self) -> None:
         """Say bye and let go of the socket."""
         with contextlib.suppress(OSError):
             self._send(encode(Bye()), self._server)
         self._socket.close()
+
+    def _view(self, newest: See) -> View:
+        """The view of the last datagram that was taken; about once a second the server hears how long it took."""
+        report = self._lag.view_arrived(newest.time_us, self._arrived, self._clock.now())
+        if report is not None:
+            self._send(encode(report), self._server)
+        return view_from_see(newest, self.init.options, self.mirror)
 
     def _stay(self) -> None:
         """Ask again when it is time to: the server must hear us, and may have been restarted."""
@@ -165,8 +175,10 @@ class Connection:
             received = self._next_datagram(deadline)
             if received is None:
                 return None
-            data, source = received
+            data, source, age_ns = received
             message = decode_message(data) if source[0] == self._main[0] else None
+            if isinstance(message, Error) and self._lag.explains(message.name):
+                continue
             if isinstance(message, Error):
                 meaning = MEANINGS.get(message.name, "see the server's documentation")
                 raise ConnectionRefused(self._name, found=f"error {message.name}: {meaning}")
@@ -175,22 +187,22 @@ class Connection:
             if isinstance(message, See) and message.time_us <= self._time_us:
                 continue
             if message is not None:
-                self._note(message, source)
+                self._note(message, source, age_ns)
                 return message
         return None
 
-    def _note(self, message: ServerMessage, source: SockAddress) -> None:
+    def _note(self, message: ServerMessage, source: SockAddress, age_ns: int) -> None:
         self._server, self._heard = source, self._clock.now()
         if isinstance(message, See):
-            self._time_us = message.time_us
+            self._time_us, self._arrived = message.time_us, Instant(self._heard - age_ns)
         elif isinstance(message, InitReply):
             self.mode = message.mode
             self._time_us = -1  # perhaps another server, whose Time began anew
 
-    def _next_datagram(self, deadline: Instant) -> tuple[bytes, SockAddress] | None:
+    def _next_datagram(self, deadline: Instant) -> tuple[bytes, SockAddress, int] | None:
         self._socket.settimeout(max(seconds_between(self._clock.now(), deadline), 0.0))
         try:
-            return self._socket.recvfrom(LONGEST_ANSWER + 1)
+            return receive_stamped(self._socket, LONGEST_ANSWER + 1)
         except OSError:  # timeout; or, on some systems, a report that a port was closed
             return None
 

@@ -215,6 +215,7 @@ class UdpServer:
     def _receive_from(self, source: SharedSocket | Session) -> list[Event] | None:
         """What the next datagram of a socket leads to; None when there is none."""
         now = self._clock.now()
+        self._catch_up()  # a client may report on the view that it was just sent
         if isinstance(source, Session):
             received = self._lines[source].socket.receive()
             port = source.port
@@ -287,6 +288,7 @@ class UdpServer:
             rows[row]["descriptor"], rows[row]["tick_ns"] = line.socket.fileno(), NS_PER_TICK[options.time]
             rows[row]["period_ns"] = NS_PER_S // options.rate_hz if options.rate_hz else 0
             rows[row]["served"], rows[row]["due"] = session.served, session.due
+            rows[row]["sent_at"] = session.served_at
             for name in TALLIED:
                 rows[row][name] = getattr(tally, name)
 
@@ -297,6 +299,7 @@ class UdpServer:
         self._sent_since = False
         for session, row in zip(self._in_table, self._table.rows, strict=True):
             session.served, session.due = Instant(int(row["served"])), Instant(int(row["due"]))
+            session.served_at = Instant(int(row["sent_at"]))
             line = self._lines.get(session)
             if line is not None:
                 for name in TALLIED:

@@ -7,9 +7,10 @@ too: what follows the parts we know is passed over, as a later version may appen
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
-from vision_core.protocol.forms import SPACE, Form, integer, parse_forms
+from vision_core.protocol.forms import SPACE, Form, integer, parse_forms, real
 from vision_core.protocol.messages import (
     LARGEST_NUMBER,
     US_PER_S,
@@ -20,6 +21,7 @@ from vision_core.protocol.messages import (
     Faulty,
     Init,
     InitReply,
+    Lag,
     Request,
     See,
     ServerMessage,
@@ -38,6 +40,7 @@ MODES = frozenset({"before_kick_off", "play_on", "time_over"})
 SERVER_WORDS = frozenset({b"see", b"hear", b"error", b"warning", b"ok", b"challenge", b"pong"})
 """What begins like this was said by a server and gets no answer."""
 
+MS_PER_S = 1000
 _TEAMS = {team.value: team for team in Team}
 _HEAD = re.compile(rb"\(\s*+([A-Za-z_]*+)")
 _SEE = re.compile(
@@ -46,6 +49,7 @@ _SEE = re.compile(
     rb"\s*+\(\(ball\)\s++(-?[0-9]{1,3})\s++(-?[0-9]{1,3})\s++(-?[0-9]{1,3})\s*+\).*\)",
     re.DOTALL,
 )
+_TIME = re.compile(rb"([0-9]{1,10})(?:\.([0-9]{0,6})[0-9]*)?")
 _NAME = re.compile(r"[a-z_]{1,39}")
 
 
@@ -87,7 +91,7 @@ def decode_message(datagram: bytes) -> ServerMessage | None:
     return None
 
 
-def encode(message: Init | Bye | InitReply | Error | Warn) -> bytes:
+def encode(message: Init | Bye | Lag | InitReply | Error | Warn) -> bytes:
     """The canonical datagram of a message, without NUL."""
     match message:
         case Init(team, number, options):
@@ -97,6 +101,8 @@ def encode(message: Init | Bye | InitReply | Error | Warn) -> bytes:
             return b"(bye)"
         case Bye(team, number):
             return f"(bye {team} {number})".encode("ascii")
+        case Lag():
+            return _encode_lag(message).encode("ascii")
         case InitReply(team, number, mode):
             return f"(init {team} {number} {mode})".encode("ascii")
         case Error(name):
@@ -125,8 +131,18 @@ def _see(body: bytes) -> See | None:
     if match is None:
         return None
     seconds, decimals, edges, px, direction, size = match.groups()
-    time_us = int(seconds) * US_PER_S + int((decimals or b"").ljust(6, b"0"))
-    return See(time_us, edges, Ball(int(px), int(direction), int(size)))
+    return See(_time_us(seconds, decimals), edges, Ball(int(px), int(direction), int(size)))
+
+
+def _time_us(seconds: bytes, decimals: bytes | None) -> int:
+    return int(seconds) * US_PER_S + int((decimals or b"").ljust(6, b"0"))
+
+
+def _encode_lag(lag: Lag) -> str:
+    robot = "" if lag.team is None else f"{lag.team} {lag.number} "
+    seconds, us = divmod(lag.time_us, US_PER_S)
+    client = "-" if lag.client_s is None else f"{lag.client_s * MS_PER_S:.3f}"
+    return f"(lag {robot}{seconds}.{us:06d} {lag.hold_s * MS_PER_S:.3f} {client})"
 
 
 def _team(word: str | Form) -> Team | None:
@@ -178,5 +194,22 @@ def _bye(parts: Sequence[str | Form]) -> Command:
     return robot if isinstance(robot, Faulty) else Bye(*robot)
 
 
-COMMANDS: Mapping[str, Callable[[Sequence[str | Form]], Command]] = MappingProxyType({"init": _init, "bye": _bye})
+def _lag(parts: Sequence[str | Form]) -> Command:
+    if len(parts) not in (3, 5):
+        return Faulty(ErrorName.ILLEGAL_FORM)
+    time, hold, client = parts[-3:]
+    when = _TIME.fullmatch(time.encode("ascii")) if isinstance(time, str) else None
+    hold_ms, client_ms = real(hold), real(client)
+    if when is None or hold_ms is None or (client_ms is None and client != "-"):
+        return Faulty(ErrorName.ILLEGAL_FORM)
+    lag = Lag(_time_us(*when.groups()), hold_ms / MS_PER_S, None if client_ms is None else client_ms / MS_PER_S)
+    if len(parts) == 3:
+        return lag
+    robot = _robot(parts)
+    return robot if isinstance(robot, Faulty) else replace(lag, team=robot[0], number=robot[1])
+
+
+COMMANDS: Mapping[str, Callable[[Sequence[str | Form]], Command]] = MappingProxyType(
+    {"init": _init, "bye": _bye, "lag": _lag}
+)
 """Every command of version 1."""

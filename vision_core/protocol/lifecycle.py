@@ -11,14 +11,17 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from vision_core.clock import NS_PER_S, Instant
+from vision_core.clock import NS_PER_S, Instant, seconds_between
 from vision_core.protocol.codec import decode_commands, encode
 from vision_core.protocol.limits import Allowance
-from vision_core.protocol.messages import Init
+from vision_core.protocol.messages import LONGEST_LAG_S, Init, Lag
 from vision_core.types.objects import Team
 
 NS_PER_TICK = {"ms": 1_000_000, "us": 1_000}
+NS_PER_US = 1_000
 NEVER = Instant(-1)
+REPORT_PERIOD_S = 0.5
+"""A client's reports that come faster than this are passed over."""
 
 
 class Peer(NamedTuple):
@@ -103,8 +106,16 @@ class Session:
     """The same init in a row, with nothing else heard in between."""
     served: Instant = NEVER
     """Grab of the last view that was sent."""
+    served_at: Instant = NEVER
+    """When it was sent; NEVER also for one that an earlier process sent."""
     due: Instant = NEVER
     """With a rate: the next view's place on its grid."""
+    network_s: float | None = None
+    """Lag of the network, one way: half the round trip of the last view and the report on it."""
+    client_s: float | None = None
+    """Lag of the client, as it reports it."""
+    reported: Instant = NEVER
+    """Last report of the client."""
     allowance: Allowance = field(default_factory=Allowance)
 
     @property
@@ -127,6 +138,19 @@ class Session:
             return False
         rate_hz = self.init.options.rate_hz
         return rate_hz is None or at >= self.due - NS_PER_S // (2 * rate_hz)
+
+    def note_report(self, lag: Lag, now: Instant) -> None:
+        """A client's report on the last view that was sent; one that is late, absurd or too early changes nothing."""
+        tick_ns = NS_PER_TICK[self.init.options.time]
+        printed_us = (self.served - self.boot) // tick_ns * tick_ns // NS_PER_US
+        if self.served_at == NEVER or lag.time_us != printed_us:
+            return
+        if not all(0.0 <= share_s <= LONGEST_LAG_S for share_s in (lag.hold_s, lag.client_s or 0.0)):
+            return
+        if self.reported != NEVER and seconds_between(self.reported, now) < REPORT_PERIOD_S:
+            return
+        self.network_s = max(seconds_between(self.served_at, now) - lag.hold_s, 0.0) / 2.0
+        self.client_s, self.reported = lag.client_s, now
 
     def note_served(self, at: Instant) -> None:
         """A view grabbed at an instant was sent."""

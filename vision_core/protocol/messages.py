@@ -10,6 +10,8 @@ from vision_core.types.objects import Team
 US_PER_S = 1_000_000
 LARGEST_NUMBER = 16
 """Robots per team that the letters of ``(types number)`` can tell apart."""
+LONGEST_LAG_S = 10.0
+"""A client's report of more than this is no lag but a mistake."""
 NOTHING_PX = 0xFF
 """An edge of ``ff`` pixels: nothing within range."""
 
@@ -34,13 +36,27 @@ class Bye:
 
 
 @dataclass(frozen=True, slots=True)
+class Lag:
+    """``(lag Time Hold Client)``, or ``(lag blue 3 Time Hold Client)``: a client reports its share of the lag."""
+
+    time_us: int
+    """Time of the newest ``see``."""
+    hold_s: float
+    """How long after its arrival this report was sent."""
+    client_s: float | None
+    """From a view's arrival to when the client's program had used it; None: not known."""
+    team: Team | None = None
+    number: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Faulty:
     """A command that deserves an error."""
 
     error: ErrorName
 
 
-Command: TypeAlias = Init | Bye | Faulty
+Command: TypeAlias = Init | Bye | Lag | Faulty
 
 
 @dataclass(frozen=True, slots=True)

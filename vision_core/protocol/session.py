@@ -17,7 +17,7 @@ from vision_core.protocol.admission import Admission
 from vision_core.protocol.codec import LONGEST_COMMAND, decode_commands, encode
 from vision_core.protocol.lifecycle import Change, Peer, Port, Session, State
 from vision_core.protocol.limits import Allowance, Sources, TokenBucket
-from vision_core.protocol.messages import Bye, Command, Error, Faulty, Init, InitReply, Warn
+from vision_core.protocol.messages import Bye, Command, Error, Faulty, Init, InitReply, Lag, Warn
 from vision_core.protocol.refusals import ErrorName
 from vision_core.types.objects import Team
 
@@ -216,18 +216,25 @@ class Sessions:
         match command:
             case Init():
                 return self._init(command, nul, peer, arrival, now)
-            case Bye():
-                return self._bye(command, peer)
+            case Bye() | Lag():
+                session = self._addressed(command, peer)
+                if isinstance(session, ErrorName):
+                    return session
+                if isinstance(command, Bye):
+                    return self._step(session, Change.LEFT)
+                session.note_report(command, now)
+                return []
             case Faulty(error):
                 return error
 
-    def _bye(self, bye: Bye, peer: Peer) -> list[Event] | ErrorName:
+    def _addressed(self, command: Bye | Lag, peer: Peer) -> Session | ErrorName:
+        """Which of a client's sessions a command is about: the one it names, or its only one."""
         owned = [session for session in self if session.peer == peer]
-        if bye.team is not None:
-            owned = [session for session in owned if (session.team, session.number) == (bye.team, bye.number)]
+        if command.team is not None:
+            owned = [session for session in owned if (session.team, session.number) == (command.team, command.number)]
         elif len(owned) > 1:
             return ErrorName.ILLEGAL_FORM
-        return self._step(owned[0], Change.LEFT) if owned else ErrorName.NOT_CONNECTED
+        return owned[0] if owned else ErrorName.NOT_CONNECTED
 
     def _init(self, init: Init, nul: bool, peer: Peer, arrival: Arrival, now: Instant) -> list[Event] | ErrorName:
         if not self._inits.take(now):

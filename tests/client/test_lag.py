@@ -1,0 +1,102 @@
+"""Reports of the lag: what is measured, when it is said, and what the system tells of an arrival."""
+
+import socket
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from vision_core.client.lag import REPORT_S, LagReports, receive_stamped, stamp_arrivals
+from vision_core.clock import Instant, after
+from vision_core.protocol.messages import LONGEST_LAG_S, Lag
+from vision_core.protocol.refusals import ErrorName
+
+START = Instant(1_000_000_000)
+DUE = after(START, REPORT_S)
+TIME_US = 20306_148000
+PAUSE_S = 0.02
+
+
+def using(*uses_s: float) -> LagReports:
+    """Reports of a program that took so long for each of its views so far; the next view makes one due."""
+    reports = LagReports(START)
+    for use_s in uses_s:
+        assert reports.view_arrived(1, START, START) is None
+        reports.view_used(after(START, use_s))
+    return reports
+
+
+def test_a_report_tells_the_hold_and_the_median_use() -> None:
+    reports = using(0.004, 0.9, 0.006)
+    assert reports.view_arrived(TIME_US, DUE, after(DUE, 0.002)) == Lag(TIME_US, 0.002, 0.006)
+
+
+def test_each_report_has_a_median_of_its_own() -> None:
+    reports = using(0.004)
+    assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, 0.004)
+    again = after(DUE, REPORT_S)
+    assert reports.view_arrived(TIME_US, again, after(again, -0.1)) is None
+    assert reports.view_arrived(TIME_US, again, again) == Lag(TIME_US, 0.0, None)
+
+
+def test_asking_again_without_a_new_view_is_no_use() -> None:
+    reports = using(0.004)
+    reports.view_used(after(START, 0.8))
+    assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, 0.004)
+
+
+def test_what_the_server_would_pass_over_is_not_sent() -> None:
+    reports = using(2.0 * LONGEST_LAG_S)
+    assert reports.view_arrived(TIME_US, START, after(DUE, LONGEST_LAG_S)) is None
+    assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, None)
+
+
+def test_errors_are_explained_by_a_report_that_was_sent() -> None:
+    reports = LagReports(START)
+    assert not reports.explains(ErrorName.NOT_CONNECTED)
+    assert reports.view_arrived(TIME_US, DUE, DUE) is not None
+    assert reports.explains(ErrorName.NOT_CONNECTED)
+    assert not reports.explains(ErrorName.REPLACED)
+    assert reports.view_arrived(TIME_US, DUE, after(DUE, REPORT_S)) is not None
+    assert reports.explains(ErrorName.UNKNOWN_COMMAND)
+    assert reports.view_arrived(TIME_US, DUE, after(DUE, 2.0 * REPORT_S)) is None
+
+
+@pytest.fixture
+def mailbox() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as opened:
+        opened.bind(("127.0.0.1", 0))
+        yield opened
+
+
+def age_after_pause(mailbox: socket.socket) -> float:
+    """Age [s] of a datagram that is read a pause after it was sent."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.sendto(b"see", mailbox.getsockname())
+        time.sleep(PAUSE_S)
+        data, source, age_ns = receive_stamped(mailbox, 100)
+        assert data == b"see"
+        assert source[1] == sender.getsockname()[1]
+    return age_ns / 1e9
+
+
+def test_the_wait_for_a_busy_program_is_seen(mailbox: socket.socket) -> None:
+    stamp_arrivals(mailbox)
+    ages_s = [age_after_pause(mailbox) for _ in range(10)]  # the system may take a moment to begin
+    assert ages_s[-1] >= PAUSE_S
+
+
+def test_without_stamps_a_view_arrives_when_it_is_read(mailbox: socket.socket, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert age_after_pause(mailbox) == 0.0
+    monkeypatch.setattr("sys.platform", "darwin")
+    stamp_arrivals(mailbox)
+    assert age_after_pause(mailbox) == 0.0
+
+
+@pytest.mark.parametrize("now_ns", [0, 2**62])
+def test_a_time_of_day_that_steps_is_no_age(
+    mailbox: socket.socket, monkeypatch: pytest.MonkeyPatch, now_ns: int
+) -> None:
+    stamp_arrivals(mailbox)
+    monkeypatch.setattr("vision_core.client.lag.time.time_ns", lambda: now_ns)
+    assert age_after_pause(mailbox) == 0.0
