@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vision_core.regions.exposure import exposure_reasons, field_pixels
+from vision_core.regions.exposure import exposure_check, exposure_reasons, field_pixels
 from vision_core.settings_files import load_settings
 from vision_core.settings_models import camera_model_from
 
@@ -40,3 +40,20 @@ def test_bad_light_is_named(pixels: np.ndarray, said: str) -> None:
 def test_a_camera_that_looks_elsewhere_is_named() -> None:
     (reason,) = exposure_reasons(picture(80.0, 200.0), np.empty((0, 2)))
     assert "nothing of the field" in reason
+
+
+def test_numbers_follow_the_light() -> None:
+    dim, bright = (exposure_check(picture(carpet, 200.0), POINTS) for carpet in (40.0, 80.0))
+    assert dim.reasons == bright.reasons == ()
+    assert dim.median_luma == pytest.approx(40.0, abs=1.0)
+    assert bright.median_luma == pytest.approx(80.0, abs=1.0)
+    assert dim.brightest == pytest.approx(205.0, abs=5.0)
+    assert dim.white == 0.0
+    white = exposure_check(picture(120.0, 255.0, 0.1), POINTS).white
+    assert white == pytest.approx(0.1, abs=0.02)
+
+
+def test_nothing_of_the_field_has_no_numbers() -> None:
+    check = exposure_check(picture(80.0, 200.0), np.empty((0, 2)))
+    assert check.brightest is check.median_luma is check.white is None
+    assert check.reasons == exposure_reasons(picture(80.0, 200.0), np.empty((0, 2)))

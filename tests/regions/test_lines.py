@@ -4,13 +4,15 @@ import msgspec
 import numpy as np
 import pytest
 
+from vision_core.camera_model import PinholeCamera
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
-from vision_core.regions.lines import line_reasons
+from vision_core.regions.lines import line_check, line_reasons
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 from vision_core.settings_models import camera_model_from
+from vision_core.types.regions import LineCheck
 
 pytestmark = pytest.mark.slow
 
@@ -45,3 +47,36 @@ def test_another_field_does_not(settings: Settings, image: Bytes) -> None:
 def test_a_field_without_lines_is_not_judged(settings: Settings, image: Bytes) -> None:
     plain = msgspec.structs.replace(settings.field, line_width_m=0.0)
     assert line_reasons(image, plain, camera_model_from(settings)) == ()
+
+
+def test_numbers_of_the_right_field(settings: Settings, image: Bytes) -> None:
+    check = line_check(image, settings.field, camera_model_from(settings))
+    assert check.known == 12
+    assert check.found >= 6
+    assert check.samples is not None
+    assert check.samples > 0.5
+    assert check.residual_px is not None
+    assert check.residual_px < 0.25
+    assert check.outside < 0.01
+
+
+@pytest.mark.parametrize("turn_px", [0.5, 1.0, 2.0])
+def test_a_camera_that_was_bumped_shows_in_the_residual(settings: Settings, image: Bytes, turn_px: float) -> None:
+    right = camera_model_from(settings)
+    pinhole = settings.camera.pinhole
+    center = (pinhole.center_px[0] + turn_px, pinhole.center_px[1] + turn_px)
+    moved = PinholeCamera(pinhole.focal_px, center, pinhole.distortion, pinhole.position_m, pinhole.rotation_deg)
+    residuals = [line_check(image, settings.field, camera).residual_px for camera in (right, moved)]
+    assert residuals[0] is not None
+    assert residuals[1] is not None
+    assert residuals[1] == pytest.approx(turn_px, abs=0.25)
+    assert line_reasons(image, settings.field, moved) == ()
+
+
+def test_numbers_where_nothing_can_be_judged(settings: Settings, image: Bytes) -> None:
+    plain = msgspec.structs.replace(settings.field, line_width_m=0.0)
+    assert line_check(image, plain, camera_model_from(settings)) == LineCheck(0, 0, None, None, 0.0)
+    thin = msgspec.structs.replace(settings.field, line_width_m=0.002)
+    assert line_check(image, thin, camera_model_from(settings)).known == 0
+    nothing = line_check(np.full_like(image, 90), settings.field, camera_model_from(settings))
+    assert (nothing.found, nothing.samples, nothing.residual_px) == (0, 0.0, None)

@@ -6,6 +6,7 @@ from vision_core.camera_model import CameraModel
 from vision_core.field_model import accepted_half_extent
 from vision_core.geometry import Bytes, Floats
 from vision_core.settings import FieldSettings
+from vision_core.types.regions import ExposureCheck
 
 POINTS = 60
 """Along either side of the field."""
@@ -16,6 +17,8 @@ DARK, BLACK = 100.0, 30.0
 WHITE = 250
 MOST_WHITE, MOST_AT_END = 0.15, 0.4
 """Share of the field in which two channels may be at the sensor's end, and one."""
+LUMA = np.array([0.114, 0.587, 0.299])
+NOTHING = "the picture shows nothing of the field: camera position or field measures are wrong"
 
 
 def field_pixels(field: FieldSettings, camera: CameraModel, size_px: tuple[int, int]) -> Floats:
@@ -28,25 +31,40 @@ def field_pixels(field: FieldSettings, camera: CameraModel, size_px: tuple[int, 
     return pixel[inside]
 
 
-def exposure_reasons(pixels: Bytes, points_px: Floats) -> tuple[str, ...]:
-    """What is wrong with a picture's light, in words.
+def exposure_check(pixels: Bytes, points_px: Floats) -> ExposureCheck:
+    """How light the field is in a picture, in numbers and in words.
 
     pixels: shape (height, width, 3), blue green red; points_px: of the field, see ``field_pixels``.
     """
     if not len(points_px):
-        return ("the picture shows nothing of the field: camera position or field measures are wrong",)
+        return ExposureCheck(None, None, None, (NOTHING,))
     x, y = points_px.round().astype(np.intp).T
     seen = pixels[y, x].astype(np.float64)
     brightest = float(np.percentile(seen.max(axis=1), 99.8))
+    _, two, one = (np.sort(seen, axis=1) >= WHITE).mean(axis=0).tolist()
+    return ExposureCheck(
+        brightest=brightest,
+        median_luma=float(np.median(seen @ LUMA)),
+        white=one,
+        reasons=_blamed(brightest, float(seen.std(axis=0).max()), two, one),
+    )
+
+
+def exposure_reasons(pixels: Bytes, points_px: Floats) -> tuple[str, ...]:
+    """What is wrong with a picture's light, in words; takes what ``exposure_check`` takes."""
+    return exposure_check(pixels, points_px).reasons
+
+
+def _blamed(brightest: float, deviation: float, two: float, one: float) -> tuple[str, ...]:
+    """What numbers say in words. two, one: share of the field in which so many channels are at the sensor's end."""
     if brightest < BLACK:
         return (
             f"the picture is black: nothing on the field is brighter than {brightest:.0f} of 255 (lens cap, lamps?)",
         )
-    if seen.std(axis=0).max() < ALIKE:
+    if deviation < ALIKE:
         return ("the picture shows nothing: every pixel of the field has the same color",)
     if brightest < DARK:
         return (f"too dark: nothing on the field is brighter than {brightest:.0f} of 255 (lamps, exposure?)",)
-    _, two, one = (np.sort(seen, axis=1) >= WHITE).mean(axis=0).tolist()
     if two > MOST_WHITE or one > MOST_AT_END:
         return (f"over-exposed: {one:.0%} of the field is as bright as the sensor can tell (exposure, gain?)",)
     return ()

@@ -1,0 +1,217 @@
+"""Where the carpet ends in an image: the field's boundary, found by its color alone.
+
+After B-Human's column scans (Hasselbring and Baude, "Soccer Field Boundary Detection Using Convolutional Neural
+Networks", RoboCup 2021, has them as the conventional method), for a camera on the ceiling: rays go from the field's
+center outward, a fixed number of samples on each, so that a larger picture costs nothing. The carpet's color is the
+median of a ring round the center, its light a smooth surface over the field: lamps and lenses leave corners darker.
+Along a ray every sample of carpet counts for the field, every other one against it; the boundary is where the count is
+highest. So lines, the ball and robots are bridged where more carpet follows than they hide, and green things beside
+the field draw nobody out.
+
+A shadow darkens and keeps its hue: a color is compared with the carpet's at the same light.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.camera_model import CameraModel
+from vision_core.field_model import field_segments
+from vision_core.geometry import Bytes, Floats
+from vision_core.settings import FieldSettings
+from vision_core.types.field import EdgeKind, Segment
+from vision_core.types.regions import FieldBoundary
+
+Mask = NDArray[np.bool_]
+Levels = NDArray[np.float32]
+
+RAYS = 120
+SAMPLES = 192
+BEYOND = 1.5
+"""Rays reach so many times as far as the wall or limit."""
+RING = (0.1, 0.5)
+"""The carpet is learned here: share of the way to the wall or limit."""
+RING_STEP = 5
+"""Of the ring's samples every so many-th is looked at."""
+SURFACE, SURFACE_STEP, FITS = 0.9, 8, 6
+"""The light's surface is fitted out to this share of the way, to every so many-th sample, so many times: each time
+without the samples that are farther off than `OUTLYING` median deviations, which are lines, robots and walls."""
+OUTLYING = 2.5
+DARKEST = 0.5
+"""Share of its light that a shadow leaves the carpet."""
+BRIGHTER = 0.15
+"""Share of its light by which carpet may be brighter than the surface says."""
+LEAST_CHANGE = 5.0
+"""Grey levels of light or color by which carpet may differ anywhere."""
+LEAST_TURN = 6.0
+"""Grey levels by which its color may turn in full light, and in proportion where it is dimmer."""
+DEVIATIONS = 4.0
+"""Beside these, light and color may differ by so many median deviations of the carpet's own."""
+FEWEST_BEYOND = 2
+"""So many samples beyond a boundary must lie in the picture."""
+FEWEST_RAYS = 5
+"""Of a side of the field that must be seen to judge by it."""
+LUMA = np.array([0.114, 0.587, 0.299], dtype=np.float32)
+
+
+class BoundaryFinder:
+    """Finds the boundary of one camera's field. Holds what is the same for all of its images, and no state."""
+
+    def __init__(self, field: FieldSettings, camera: CameraModel, size_px: tuple[int, int]) -> None:
+        """size_px: width and height of the images."""
+        angles = np.arange(RAYS) * (math.tau / RAYS)
+        rays = np.column_stack([np.cos(angles), np.sin(angles)])
+        limit_m, hit = _first_hits(rays, field_segments(field, "left"))
+        shares = (np.arange(SAMPLES) + 0.5) * (BEYOND / SAMPLES)
+        ends = rays * limit_m[:, None]
+        self._size = size_px
+        self._pixel: Floats = camera.pixel_from_field((ends[:, None] * shares[:, None]).reshape(-1, 2)).reshape(
+            RAYS, SAMPLES, 2
+        )
+        self._visible = _inside(self._pixel, size_px)
+        column, row = np.moveaxis(np.where(self._visible[..., None], self._pixel, 0.0).round().astype(np.intp), -1, 0)
+        self._place = row * size_px[0] + column
+        self._basis = _surface_basis(rays * limit_m[:, None], np.minimum(shares, 1.0))
+        fitted = self._visible & (shares <= SURFACE) & (np.arange(SAMPLES) % SURFACE_STEP == 0)
+        self._fitted = np.flatnonzero(fitted)
+        ring = self._visible & (shares >= RING[0]) & (shares <= RING[1])
+        self._ring = np.flatnonzero(ring)[::RING_STEP]
+        self._expected_px, self._outward = _limit_in_image(camera, ends, hit)
+        line_m = field.line_width_m if field.margin_m < field.line_width_m else 0.0
+        self._line_px = line_m * np.sqrt(camera.pixels_per_square_metre(ends))
+        walls = np.array([segment.kind == EdgeKind.WALL for segment in hit])
+        self._side = _sides(ends)
+        self._judged = walls & _inside(self._expected_px, size_px)
+
+    def find(self, pixels: Bytes) -> FieldBoundary:
+        """The boundary in an image: shape (height, width, 3), blue green red.
+
+        Raises ValueError when the image has another size than the finder was made for.
+        """
+        width, height = self._size
+        if pixels.shape != (height, width, 3):
+            raise ValueError(f"an image of shape {pixels.shape}, not {(height, width, 3)}")
+        carpet = self._carpet(pixels.reshape(-1, 3))
+        votes = np.where(carpet, 1, -1) * self._visible
+        counted = votes.cumsum(axis=1)
+        last = counted.argmax(axis=1)
+        before = np.arange(SAMPLES) <= last[:, None]
+        inside, beyond = (self._visible & before), (self._visible & ~before)
+        seen = (counted.max(axis=1) > 0) & (beyond.sum(axis=1) >= FEWEST_BEYOND)
+        points = self._between(last)
+        points[~seen] = np.nan
+        right = _share(carpet, inside) * _share(~carpet, beyond)
+        return self._told(points, np.where(seen, right, 0.0), seen)
+
+    def _carpet(self, flat: Bytes) -> Mask:
+        """Which samples are as the carpet in the ring is, shape (RAYS, SAMPLES). flat: all pixels, shape (n, 3)."""
+        if not len(self._ring):
+            return np.zeros(self._place.shape, dtype=np.bool_)
+        seen = np.take(flat, self._place, axis=0).astype(np.float32)
+        light = seen @ LUMA
+        color = seen[..., (0, 2)] - light[..., None]
+        surface, spread = self._lit(light)
+        ring_light = max(float(np.median(light.ravel()[self._ring])), 1.0)
+        ring_color = np.median(color.reshape(-1, 2)[self._ring], axis=0)
+        share = light / np.float32(ring_light)
+        turned = color - ring_color * share[..., None]
+        turn = np.hypot(turned[..., 0], turned[..., 1])
+        usual = LEAST_TURN + DEVIATIONS * float(np.median(turn.ravel()[self._ring]))
+        margin = LEAST_CHANGE + DEVIATIONS * spread
+        lit = (light >= DARKEST * surface - margin) & (light <= (1.0 + BRIGHTER) * surface + margin)
+        return np.asarray(lit & (turn <= LEAST_CHANGE + usual * np.minimum(share, 1.0)))
+
+    def _lit(self, light: Levels) -> tuple[Levels, float]:
+        """The carpet's light as a smooth surface, shape (RAYS, SAMPLES), and its median deviation from it."""
+        basis = self._basis.reshape(-1, self._basis.shape[-1])[self._fitted]
+        there = light.ravel()[self._fitted]
+        kept = np.ones(len(there), dtype=np.bool_)
+        off = np.abs(there - np.median(there))
+        for _ in range(FITS):
+            used = basis[kept]
+            weights = np.linalg.lstsq(used.T @ used, used.T @ there[kept], rcond=None)[0]
+            off = np.abs(there - basis @ weights)
+            kept = off <= OUTLYING * max(float(np.median(off)), 1.0)
+        surface: Levels = np.maximum(self._basis @ weights, np.float32(1.0))
+        return surface, float(np.median(off))
+
+    def _between(self, last: NDArray[np.intp]) -> Floats:
+        """Middle between the last sample of the field and the next one, per ray, shape (RAYS, 2) [px]."""
+        rows = np.arange(RAYS)
+        middle: Floats = (self._pixel[rows, last] + self._pixel[rows, np.minimum(last + 1, SAMPLES - 1)]) / 2.0
+        return middle
+
+    def _told(self, points: Floats, confidences: Floats, seen: Mask) -> FieldBoundary:
+        judged = self._judged & seen
+        away = ((points - self._expected_px) * self._outward).sum(axis=1)[judged]
+        away -= np.clip(away, -self._line_px[judged], 0.0)  # a line along the wall is neither carpet nor wall
+        sides = [away[self._side[judged] == side] for side in range(4)]
+        medians = [abs(float(np.median(side))) for side in sides if len(side) >= FEWEST_RAYS]
+        return FieldBoundary(
+            points_px=tuple((x, y) for x, y in points.tolist()),
+            confidences=tuple(confidences.tolist()),
+            found=float(judged.sum() / max(self._judged.sum(), 1)),
+            error_px=float(np.median(away)) if medians else None,
+            off_px=max(medians, default=None),
+        )
+
+
+def _surface_basis(ends_m: Floats, shares: Floats) -> Levels:
+    """What a smooth surface over the field is made of, at shares of the way to points round it.
+
+    ends_m: shape (n, 2); shares: shape (m,); returns shape (n, m, 7).
+    """
+    x, y = np.moveaxis(ends_m[:, None] * shares[:, None] / np.abs(ends_m).max(), -1, 0)
+    square = x**2 + y**2
+    return np.stack([np.ones_like(x), x, y, x**2, x * y, y**2, square**2], axis=-1).astype(np.float32)
+
+
+def _share(what: Mask, where: Mask) -> Floats:
+    """Per row, share of the places at which something is so."""
+    share: Floats = (what & where).sum(axis=1) / np.maximum(where.sum(axis=1), 1)
+    return share
+
+
+def _inside(pixel: Floats, size_px: tuple[int, int]) -> Mask:
+    with np.errstate(invalid="ignore"):
+        return np.asarray(((pixel >= 0.0) & (pixel <= np.array(size_px) - 1.0)).all(axis=-1))
+
+
+def _first_hits(rays: Floats, segments: tuple[Segment, ...]) -> tuple[Floats, list[Segment]]:
+    """How far rays from the field's center go to what stands round it [m], shape (n,), and what they meet there.
+
+    rays: unit vectors, shape (n, 2).
+    """
+    start = np.array([(s.x1_m, s.y1_m) for s in segments])
+    along = np.array([(s.x2_m, s.y2_m) for s in segments]) - start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = _cross(rays[:, None], along)
+        reach, place = _cross(start, along) / slope, _cross(start, rays[:, None]) / slope
+        met = (reach > 0.0) & (place >= -1e-9) & (place <= 1.0 + 1e-9)
+    reach = np.where(met, reach, np.inf)
+    nearest = reach.argmin(axis=1)
+    return reach[np.arange(len(rays)), nearest], [segments[index] for index in nearest]
+
+
+def _sides(ends_m: Floats) -> NDArray[np.intp]:
+    """On which of the field's four sides points of its limit lie, shape (n,)."""
+    share = ends_m / np.abs(ends_m).max(axis=0)
+    upper = np.abs(share[:, 1]) > np.abs(share[:, 0])
+    return np.asarray(np.where(upper, 2 + (share[:, 1] > 0.0), share[:, 0] > 0.0), dtype=np.intp)
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product
+
+
+def _limit_in_image(camera: CameraModel, ends: Floats, hit: list[Segment]) -> tuple[Floats, Floats]:
+    """Pixels of points on the limit, and the unit normals there, away from the field's center: shape (n, 2) each."""
+    along = np.array([(s.x2_m - s.x1_m, s.y2_m - s.y1_m) for s in hit])
+    step = along * (1e-3 / np.hypot(along[:, 0], along[:, 1]))[:, None]
+    here, aside, center = (camera.pixel_from_field(points) for points in (ends, ends + step, np.zeros((1, 2))))
+    normal = (aside - here)[:, ::-1] * (1.0, -1.0)
+    normal /= np.hypot(normal[:, 0], normal[:, 1])[:, None]
+    outward: Floats = normal * np.sign(((here - center) * normal).sum(axis=1))[:, None]
+    return here, outward
