@@ -25,7 +25,9 @@ ALONG = 0.5
 FOUND = 0.3
 """Share of the lines that must be found: not every field has all of its preset's."""
 OUTSIDE = 0.5
-PROFILE_STEP_PX = 0.5
+PROFILE_STEP_PX, PROFILE_EVERY = 0.5, 2
+"""A line's profile is taken in such steps across it, at every so many-th of its points."""
+CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)])
 LUMA = np.array([0.114, 0.587, 0.299])
 
 
@@ -97,7 +99,7 @@ def _looked_at(pixels: Bytes, line: Floats, inside: np.ndarray, width_px: float)
     across = np.column_stack([-along[:, 1], along[:, 0]])[usable] / length[usable, None]
     places = line[usable] + across * SHIFTS_PX[:, None, None]
     aside = across * max(ASIDE * width_px, LEAST_ASIDE_PX)
-    here, left, right = (_luma(pixels, places + offset) for offset in (0.0, aside, -aside))
+    here, left, right = _luma(pixels, np.stack([places, places + aside, places - aside]))
     painted = (here - left > CONTRAST) & (here - right > CONTRAST)
     shares = painted.mean(axis=1)
     best = int(shares.argmax())
@@ -111,9 +113,10 @@ def _aside_px(pixels: Bytes, line: Floats, across: Floats, width_px: float) -> f
 
     line, across: points and unit normals, shape (n, 2). Both edges count, so a line's width does not matter.
     """
-    reach = width_px / 2.0 + SHIFTS_PX[-1]
-    offsets = np.arange(-reach, reach + PROFILE_STEP_PX, PROFILE_STEP_PX)
-    profile = _luma_between(pixels, line + across * offsets[:, None, None]).mean(axis=1)
+    steps = np.ceil((width_px / 2.0 + SHIFTS_PX[-1]) / PROFILE_STEP_PX)
+    offsets = np.arange(-steps, steps + 1.0) * PROFILE_STEP_PX
+    some, aside = line[::PROFILE_EVERY], across[::PROFILE_EVERY] * offsets[:, None, None]
+    profile = _luma_between(pixels, some + aside).mean(axis=1)
     over = np.clip(profile - (profile.max() + profile.min()) / 2.0, 0.0, None)
     return float((over * offsets).sum() / max(over.sum(), 1e-9))
 
@@ -121,9 +124,9 @@ def _aside_px(pixels: Bytes, line: Floats, across: Floats, width_px: float) -> f
 def _luma(pixels: Bytes, points: Floats) -> Floats:
     """Brightness at the pixels nearest to points, shape (..., 2) -> (...)."""
     height, width = pixels.shape[:2]
-    x = np.clip(points[..., 0].round().astype(np.intp), 0, width - 1)
-    y = np.clip(points[..., 1].round().astype(np.intp), 0, height - 1)
-    luma: Floats = pixels[y, x] @ LUMA
+    x, y = np.moveaxis(points.round().astype(np.intp), -1, 0)
+    x, y = np.minimum(np.maximum(x, 0), width - 1), np.minimum(np.maximum(y, 0), height - 1)
+    luma: Floats = np.take(pixels.reshape(-1, 3), y * width + x, axis=0) @ LUMA
     return luma
 
 
@@ -131,8 +134,6 @@ def _luma_between(pixels: Bytes, points: Floats) -> Floats:
     """Brightness at points between pixels, shape (..., 2) -> (...)."""
     corner = np.floor(points)
     x, y = np.moveaxis(points - corner, -1, 0)
-    weights = ((0, 0, (1 - x) * (1 - y)), (1, 0, x * (1 - y)), (0, 1, (1 - x) * y), (1, 1, x * y))
-    luma: Floats = sum(
-        (_luma(pixels, corner + np.array((dx, dy))) * weight for dx, dy, weight in weights), np.zeros(x.shape)
-    )
+    weights = np.stack([(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y])
+    luma: Floats = (_luma(pixels, np.stack([corner + step for step in CORNERS])) * weights).sum(axis=0)
     return luma
