@@ -1,23 +1,22 @@
-"""The command line and composition root: ``pslv serve | client | detect | evaluate | patterns | config``."""
+"""The command line and composition root: ``pslv serve | client | tasks | top | selftest | detect | ...``."""
 
-import contextlib
 import json
-import os
-import subprocess
 import sys
-import webbrowser
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.status import Status
 
 from app import __version__
 from app.commands import evaluate, patterns
 from app.commands.bench import bench
 from app.commands.colors import colors_app
 from app.commands.options import ConfigFile, Venue
+from app.commands.selftest import selftest
+from app.commands.serve import serve
+from app.commands.tasks import tasks
+from app.commands.top import top
 from vision_core.errors import PslvError
 
 app = typer.Typer(
@@ -27,8 +26,8 @@ config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
-app.command()(evaluate.evaluate)
-app.command()(bench)
+for command in (serve, tasks, top, selftest, evaluate.evaluate, bench):
+    app.command()(command)
 console = Console(stderr=True, highlight=False)
 
 
@@ -54,52 +53,6 @@ def root(
     ] = False,
 ) -> None:
     """Pseudo-local vision: what every robot on the field would see, from one ceiling camera."""
-
-
-@app.command()
-def serve(
-    source: Annotated[
-        str | None,
-        typer.Option(
-            envvar="PSLV_SOURCE",
-            help="synthetic, file:PICTURE, file:FOLDER, file:VIDEO or camera:0, camera:/dev/video0.",
-        ),
-    ] = None,
-    venue: Venue = None,
-    config: ConfigFile = None,
-    host: Annotated[str | None, typer.Option(envvar="PSLV_HOST", help="Address of the page.")] = None,
-    udp_host: Annotated[
-        str | None, typer.Option(envvar="PSLV_UDP_HOST", help="Address of the UDP ports; without it, as --host.")
-    ] = None,
-    port: Annotated[int | None, typer.Option(envvar="PSLV_PORT", help="TCP port of the page; 0: any free one.")] = None,
-    udp_port: Annotated[int | None, typer.Option(envvar="PSLV_UDP_PORT", help="UDP port for (init ...).")] = None,
-    session_port: Annotated[
-        int | None,
-        typer.Option(envvar="PSLV_SESSION_PORT", help="UDP port of the sessions; without it, --udp-port + 1."),
-    ] = None,
-) -> None:
-    """Start the service: camera, vision, UDP server and page."""
-    options = {
-        "source.uri": source,
-        "server.host": host,
-        "server.udp_host": udp_host,
-        "server.port": port,
-        "server.udp_port": udp_port,
-        "server.session_port": session_port,
-    }
-    from app.service_plan import plan_service, prepare_data_folder
-    from app.supervisor.service import Supervisor
-    from vision_core.settings_files import load_settings
-
-    settings = load_settings(venue, config, options)
-    prepare_data_folder()
-    _check_source(settings)
-    plan, info = plan_service(settings, __version__)
-    _tell(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
-    if os.environ.get("DISPLAY") and sys.stdout.isatty():
-        webbrowser.open(info.http)
-    progress = _Progress()
-    sys.exit(Supervisor(plan, _tell, progress.show).run())
 
 
 @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True}, add_help_option=False)
@@ -145,27 +98,15 @@ def config_show(venue: Venue = None, config: ConfigFile = None) -> None:
 @config_app.command("validate")
 def config_validate(venue: Venue = None, config: ConfigFile = None) -> None:
     """Say whether settings are in order; exit status 2 when they are not."""
-    from vision_core.settings_files import load_settings
+    from vision_core.settings_files import layers_of, place_of, settings_from_layers
     from vision_core.tasks.preflight import check_tasks
+    from vision_core.tasks.table import check_table
 
-    settings = load_settings(venue, config)
+    layers = layers_of(venue, config)
+    settings = settings_from_layers(layers)
+    check_table(settings, lambda key: place_of(key, layers))
     check_tasks(settings)
     typer.echo(f"in order: field {settings.field.name}, camera {settings.camera.width_px}x{settings.camera.height_px}")
-
-
-def _check_source(settings: Any) -> None:
-    """Open the source once in a process of its own, so that nothing is half started when it fails."""
-    import msgspec
-
-    result = subprocess.run(
-        [sys.executable, "-m", "vision_core.tasks.preflight"],
-        input=msgspec.json.encode(settings),
-        capture_output=True,
-        check=False,
-    )
-    if result.returncode:
-        lines = result.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
-        raise PslvError(lines[-1] if result.returncode == 2 else "\n".join(lines))
 
 
 def _summary(found: dict[str, Any]) -> str:
@@ -179,30 +120,3 @@ def _summary(found: dict[str, Any]) -> str:
     balls = ", ".join(f"({ball['x_m']:.2f}, {ball['y_m']:.2f})" for ball in found["balls"])
     reasons = "".join(f"\n  {reason}" for reason in found["reasons"])
     return f"{found['file']}: robots: {robots or 'none'}; balls: {balls or 'none'}{reasons}"
-
-
-def _tell(line: str) -> None:
-    """News of the service. That nobody reads the log any more, or its disk is full, is no reason to stop it."""
-    with contextlib.suppress(OSError):
-        print(line, file=sys.stderr, flush=True)
-
-
-class _Progress:
-    """The compiler's progress: a spinner on a terminal, lines elsewhere."""
-
-    def __init__(self) -> None:
-        self._status: Status | None = None
-
-    def show(self, text: str) -> None:
-        """Show how far it is; the empty string ends it."""
-        if not text:
-            if self._status is not None:
-                self._status.stop()
-            self._status = None
-        elif not console.is_terminal:
-            _tell(f"preparing {text}")
-        elif self._status is None:
-            self._status = console.status(f"preparing {text}")
-            self._status.start()
-        else:
-            self._status.update(f"preparing {text}")

@@ -11,7 +11,7 @@ from vision_core.camera_model import CameraModel
 from vision_core.field_model import field_lines, field_segments, painted_points
 from vision_core.geometry import Floats, rotation
 from vision_core.mirror_model import LARGEST_PX
-from vision_core.rtdb.records import ServiceInfo
+from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from, mirror_from, robots_of
 from vision_core.types.field import EdgeKind

@@ -5,28 +5,48 @@ import os
 import socket
 import sys
 import time
+from collections.abc import Iterator, Sequence
 
 import msgspec
 
-from app.supervisor.plan import ChildPlan, ServicePlan
+from app.holders import port_holder
+from app.supervisor.plan import ChildPlan, ServicePlan, spare_names
+from vision_core.capture.source import is_device
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.kernel_cache import kernel_folder
 from vision_core.net.udp import open_server_sockets
 from vision_core.rtdb import records
-from vision_core.rtdb.records import ServiceInfo
+from vision_core.rtdb.infos import SelfTest, ServiceInfo
+from vision_core.scheduling.task import DRIVER, NONE, Task
 from vision_core.settings import Settings
-from vision_core.tasks.table import Task, record_specs, task_table
+from vision_core.tasks.table import record_specs, task_table
 
-HEARTBEAT_S = 4.0
-HEARTBEAT_PERIODS = 4.0
+PREFIX = "pslv/"
+"""Of the names of control sockets; the page's port follows."""
+PROPOSED = "proposed_settings"
+"""Every process looks at it in its own time; nobody is woken."""
+SPARES = 2
+SILENCE_S = 0.4
+"""A process that has not beaten for so long is hung: it beats ten times a second. Beside that it may run on:"""
+SLOW_SOURCE_S = 2.0
+"""a camera's driver, which may block so long when the camera is gone,"""
+WEB_S = 0.8
+"""the page, which beats less often,"""
+ORDINARY_S = 0.2
+"""a task without real-time priority, which others preempt,"""
+LONGEST_RUN_S = 4.0
+"""and a task for its period, but no longer than this."""
 BACKLOG = 128
 ROOM_FOR_ADDRESSES = 1024
 """In the record of the service, beside the settings [bytes]."""
 
 
-def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, ServiceInfo]:
-    """Open the sockets and lay out everything else. Raises ServiceError, with nothing left open."""
+def plan_service(settings: Settings, version: str, machine: SelfTest) -> tuple[ServicePlan, ServiceInfo]:
+    """Open the sockets and lay out everything else. machine: how it keeps time.
+
+    Raises ServiceError, with nothing left open.
+    """
     if sys.platform != "linux":
         raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
     size, room = len(msgspec.msgpack.encode(settings)), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
@@ -37,10 +57,12 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
     http = _listen(server.host, server.port)
     try:
         main, session = open_server_sockets(udp_host, server.udp_port, server.session_port)
-    except ServiceError:
+    except ServiceError as error:
         http.close()
-        raise
-    tasks = task_table(settings.camera.name)
+        raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
+    tasks = task_table(settings)
+    children = (_compiler(), *_child_plans(tasks, settings))
+    beating = (*(child.name for child in children), *spare_names(SPARES))
     boot = time.monotonic_ns()
     info = ServiceInfo(
         version=version,
@@ -50,11 +72,13 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         settings=settings,
     )
     plan = ServicePlan(
-        children=tuple(_child_plan(task, settings) for task in tasks),
-        records=record_specs(settings, tasks),
-        initial={"service": records.SERVICE.encode(info)},
+        children=children,
+        records=record_specs(settings, tasks, beating),
+        initial={"service": records.SERVICE.encode(info), "selftest": records.SELF_TEST.encode(machine)},
         sockets={"http": http, "main": main, "session": session},
         boot=boot,
+        spares=SPARES,
+        control=f"{PREFIX}{http.getsockname()[1]}",
     )
     return plan, info
 
@@ -73,17 +97,53 @@ def prepare_data_folder() -> None:
         )
 
 
-def _child_plan(task: Task, settings: Settings) -> ChildPlan:
+def _compiler() -> ChildPlan:
+    """Runs once, before everything that needs compiled kernels."""
     return ChildPlan(
-        name=task.name,
-        module=task.module,
-        trigger=task.trigger,
-        writes=task.writes,
-        sockets=task.sockets,
-        after_compile=task.needs_kernels,
-        once=task.once,
-        heartbeat_s=HEARTBEAT_S + HEARTBEAT_PERIODS / settings.camera.rate_hz,
+        name="compile",
+        module="vision_core.tasks.compile",
+        wakes=(),
+        writes=(),
+        sockets=(),
+        after_compile=False,
+        once=True,
+        heartbeat_s=LONGEST_RUN_S,
+        spared=False,
     )
+
+
+def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPlan]:
+    """A process for every name that the table has for one, in the table's order."""
+    for process in dict.fromkeys(task.process for task in tasks):
+        ours = [task for task in tasks if task.process == process]
+        own_loop = ours[0].trigger == NONE
+        yield ChildPlan(
+            name=process,
+            module=ours[0].module if own_loop else "vision_core.tasks.process",
+            wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
+            writes=tuple(record for task in ours for record in task.writes),
+            sockets=tuple(name for task in ours for name in task.sockets),
+            after_compile=any(task.needs_kernels for task in ours),
+            once=False,
+            heartbeat_s=SILENCE_S + max(_slack_s(task, settings) for task in ours),
+        )
+
+
+def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:
+    """Records whose writing releases a task: a driver's task waits for what other tasks tell it."""
+    written = {record for other in tasks if other != task for record in other.writes}
+    if task.trigger == DRIVER:
+        return tuple(record for record in task.reads if record in written and record != PROPOSED)
+    return (task.trigger,) if task.trigger in written else ()
+
+
+def _slack_s(task: Task, settings: Settings) -> float:
+    """How long a healthy process may be silent because of a task, beside SILENCE_S."""
+    if task.trigger == NONE:
+        return WEB_S
+    if task.trigger == DRIVER and is_device(settings):
+        return SLOW_SOURCE_S
+    return min(max(task.period_s, task.budget_s, 0.0 if task.priority else ORDINARY_S), LONGEST_RUN_S)
 
 
 def _listen(host: str, port: int) -> socket.socket:
@@ -98,12 +158,24 @@ def _listen(host: str, port: int) -> socket.socket:
         listener.close()
         in_use = getattr(error, "errno", None) == errno.EADDRINUSE
         free = "a free port: --port 0 takes any, --port N chooses one"
+        holder = port_holder("tcp", port) if in_use else None
+        found = getattr(error, "strerror", None) or str(error)
         raise ServiceError(
             f"TCP port {port} at {host}",
-            found=getattr(error, "strerror", None) or str(error),
+            found=f"{found}, by {holder}" if holder else found,
             accepted=free if in_use else "an address of this machine, and a port that it may open",
         ) from None
     return listener
+
+
+def _with_holder(error: ServiceError, *ports: int) -> ServiceError:
+    """The same, with the process that has one of the UDP ports, if we may know it."""
+    holder = next((named for port in ports if port and (named := port_holder("udp", port))), None)
+    return (
+        error
+        if holder is None
+        else ServiceError(error.asked, found=f"{error.found}, by {holder}", accepted=error.accepted)
+    )
 
 
 def _shown(bound: socket.socket) -> str:

@@ -53,7 +53,7 @@ class Trial:
     title: str
     spec: RecordSpec
     image: bool = False
-    """Written in place, all of it, and read as ``tasks.glimpses`` does; otherwise packed and of varying length."""
+    """Written in place, all of it, and read as ``tasks.images`` does; otherwise packed and of varying length."""
     careless: bool = False
     """Readers look at no sequence number."""
     twin: bool = False
@@ -257,7 +257,7 @@ def taking_values(reader: SlotReader) -> Callable[[], Delivered | None]:
 
 
 def taking_images(reader: SlotReader) -> Callable[[], Delivered | None]:
-    """Takes copies as ``tasks.glimpses`` does: one try; None when the slot was overwritten meanwhile."""
+    """Takes copies as ``tasks.images`` does, with one try; None when the slot was overwritten meanwhile."""
     copy = np.empty(reader.spec.capacity, dtype=np.uint8)
 
     def take() -> Delivered | None:

@@ -44,6 +44,9 @@ def test_the_default_file_teaches_every_key() -> None:
     loaded["camera"].pop("homography")  # the alternative to the pinhole stands there as a comment
     for team in ("blue", "yellow"):  # a team's own robots: a comment too
         loaded["robots"].pop(team)
+    for name, task in loaded["tasks"].items():  # of a task only its times stand there; the rest may be left out
+        loaded["tasks"][name] = {key: value for key, value in task.items() if key in DEFAULT["tasks"][name]}
+        assert {"priority", "period_ms", "budget_ms"} <= loaded["tasks"][name].keys()
     preset = tomllib.loads((config_folder() / "fields" / "ssl-2002.toml").read_text())
     pattern = tomllib.loads((config_folder() / "patterns" / "ssl-standard.toml").read_text())
     assert keys_of(loaded) == keys_of(DEFAULT) | keys_of(preset) | keys_of({"robots": pattern["robot"]})

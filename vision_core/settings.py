@@ -235,7 +235,6 @@ class BallSettings(Record, frozen=True):
 class ObstacleSettings(Record, frozen=True):
     """Things that nobody knows."""
 
-    rate_hz: Annotated[float, Meta(gt=0.0, le=100.0, description="how often they are looked for")]
     difference: Annotated[float, Meta(gt=0.0, le=255.0, description="from the carpet, in grey levels")]
     min_radius_m: Annotated[float, Meta(gt=0.0, le=1.0)]
     max_radius_m: Annotated[float, Meta(gt=0.0, le=5.0)]
@@ -301,6 +300,22 @@ class MatchSettings(Record, frozen=True):
     ]
 
 
+class TaskSettings(Record, frozen=True):
+    """One line of the task table: when a task runs. With a module it is a task of your own."""
+
+    priority: Annotated[int, Meta(ge=0, le=90, description="SCHED_FIFO 1..90; 0: an ordinary process")]
+    period_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="0: with every writing of its trigger")]
+    budget_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="a longer run is an overrun; 0: none is counted")]
+    offset_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="of the period's grid")] = 0.0
+    enabled: bool = True
+    process: Annotated[str, Meta(description="tasks that name the same one share it; empty: its own")] = ""
+    cores: Annotated[tuple[Annotated[int, Meta(ge=0, le=1023)], ...], Meta(description="empty: any")] = ()
+    module: Annotated[str, Meta(description="of a task of your own: has start(handle)")] = ""
+    trigger: Annotated[str, Meta(description="of a task of your own: period, or a record that it reads")] = "period"
+    reads: tuple[str, ...] = ()
+    writes: tuple[str, ...] = ()
+
+
 class Settings(Record, frozen=True):
     """Everything."""
 
@@ -318,6 +333,7 @@ class Settings(Record, frozen=True):
     obstacles: ObstacleSettings
     tracks: TrackSettings
     views: ViewSettings
+    tasks: Annotated[dict[str, TaskSettings], Meta(description="by name")]
     protocol: ProtocolSettings
     admission: AdmissionSettings
     match: MatchSettings

@@ -1,5 +1,6 @@
 """Rules that span several settings."""
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ SPACE_KEYS = {
 ANGLES = {"hue_deg", "phase_deg"}
 MOST_CLASSES = 31
 LETTERS_PER_TEAM = 16
+TASK_NAME = re.compile(r"[a-z][a-z0-9_]{0,15}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +32,7 @@ class Violation:
 
 def check_settings(settings: Settings, file_of: Callable[[str], str]) -> None:
     """Raise SettingsError for the first rule that does not hold; file_of names the file that sets a key."""
-    for rule in (_colors, _letters, _match, _camera, _mirror):
+    for rule in (_colors, _letters, _match, _camera, _mirror, _tasks):
         for violation in rule(settings):
             where = f"{file_of(violation.key)}: {violation.key}"
             raise SettingsError(where, found=violation.found, accepted=violation.accepted)
@@ -111,3 +113,11 @@ def _mirror(settings: Settings) -> Iterator[Violation]:
         check_span(mirror_from(settings), diagonal_m(settings.field))
     except SettingsError as error:
         yield Violation("mirror", error.found, error.accepted)
+
+
+def _tasks(settings: Settings) -> Iterator[Violation]:
+    for name, task in settings.tasks.items():
+        if not TASK_NAME.fullmatch(name):
+            yield Violation(f"tasks.{name}", repr(name), "small letters, digits and _ , 16 at most, a letter first")
+        if task.process and not TASK_NAME.fullmatch(task.process):
+            yield Violation(f"tasks.{name}.process", repr(task.process), "a name as of a task, or nothing")

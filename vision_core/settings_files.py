@@ -17,11 +17,18 @@ from typing import Any
 import msgspec
 
 from vision_core.errors import SettingsError
-from vision_core.settings import ColorRange, HexColor, Settings
+from vision_core.settings import ColorRange, HexColor, Settings, TaskSettings
 from vision_core.settings_checks import check_settings
+from vision_core.settings_lines import line_of
 
 Table = dict[str, Any]
 KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object": "a table", "array": "a list"}
+DICTS = {
+    "colors.classes": tuple[ColorRange, ...],
+    "colors.samples": tuple[HexColor, ...],
+    "tasks": TaskSettings,
+}
+"""Settings that are called as one likes, and what each is."""
 REPLACED = frozenset({"colors.classes", "colors.samples"})
 
 
@@ -31,6 +38,8 @@ class Layer:
 
     name: str
     table: Table
+    text: str = ""
+    """Of the file."""
 
 
 @cache
@@ -49,6 +58,21 @@ def load_settings(
     venue: a name of config/venues or a path; config: a further file; options: dotted keys,
     ``{"server.port": 8001}``, of which None values are left out. Raises SettingsError.
     """
+    return settings_from_layers(layers_of(venue, config, options))
+
+
+def place_of(key: str, layers: list[Layer]) -> str:
+    """Where a setting stands: the file and its line, or what else set it."""
+    keys = key.split(".")
+    layer = _culprit(keys, layers)
+    line = line_of(layer.text, keys)
+    return layer.name if line is None else f"{layer.name}, line {line}"
+
+
+def layers_of(
+    venue: str | None = None, config: Path | None = None, options: Mapping[str, Any] | None = None
+) -> list[Layer]:
+    """All sources of values, the lowest first; as ``load_settings``. Raises SettingsError when one cannot be read."""
     upper = []
     if venue is not None:
         upper.append(read_layer(find_file("venues", venue)))
@@ -61,7 +85,7 @@ def load_settings(
         preset = layer.table.get("field_preset", preset)
     field = read_layer(find_file("fields", str(preset)))
     robots = {key: value for layer in (lowest, *upper) for key, value in _robots(layer).items()}
-    return settings_from_layers([lowest, field, *_pattern_layers(robots), *upper])
+    return [lowest, field, *_pattern_layers(robots), *upper]
 
 
 def _robots(layer: Layer) -> Table:
@@ -86,12 +110,13 @@ def settings_from_layers(layers: list[Layer]) -> Settings:
         merged = _merged(merged, layer.table)
     for keys, number in _numbers(merged, []):
         if not math.isfinite(number):
-            raise SettingsError(f"{_culprit(keys, layers)}: {'.'.join(keys)}", found=str(number), accepted="a number")
+            where = f"{_culprit(keys, layers).name}: {'.'.join(keys)}"
+            raise SettingsError(where, found=str(number), accepted="a number")
     try:
         settings = msgspec.convert(merged, Settings)
     except msgspec.ValidationError as error:
         raise _explained(str(error), merged, layers) from None
-    check_settings(settings, lambda key: _culprit(key.split("."), layers))
+    check_settings(settings, lambda key: _culprit(key.split("."), layers).name)
     return settings
 
 
@@ -112,7 +137,8 @@ def find_file(kind: str, name: str) -> Path:
 def read_layer(path: Path) -> Layer:
     """One TOML file. Raises SettingsError when it cannot be read."""
     try:
-        return Layer(str(path), tomllib.loads(path.read_text(encoding="utf-8")))
+        text = path.read_text(encoding="utf-8")
+        return Layer(str(path), tomllib.loads(text), text)
     except OSError as error:
         raise SettingsError(f"configuration file {path}", found=error.strerror or str(error)) from None
     except (ValueError, RecursionError) as error:  # no TOML, no UTF-8, NUL in the name; brackets without end
@@ -167,13 +193,13 @@ def _lookup(table: Any, keys: list[str]) -> tuple[bool, Any]:
     return True, table
 
 
-def _culprit(keys: list[str], layers: list[Layer]) -> str:
+def _culprit(keys: list[str], layers: list[Layer]) -> Layer:
     """The uppermost layer that sets a key, or one of its parents."""
     for depth in range(len(keys), 0, -1):
         for layer in reversed(layers):
             if _lookup(layer.table, keys[:depth])[0]:
-                return layer.name
-    return layers[-1].name
+                return layer
+    return layers[-1]
 
 
 def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsError:
@@ -181,7 +207,7 @@ def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsErro
     text, _, where = message.partition(" - at ")
     keys = re.findall(r"[A-Za-z_][A-Za-z0-9_-]*|\d+|\.\.\.", where)
     if "..." in keys:  # msgspec does not name the key of a dict: find the entry that fails by itself
-        keys[keys.index("...")] = _bad_entry(merged["colors"], "samples" if "samples" in keys else "classes")
+        keys[keys.index("...")] = _bad_entry(merged, keys[: keys.index("...")])
     if unknown := re.search(r"unknown field `(.*)`", text):
         bad = unknown.group(1)
         known = _known_keys(keys)
@@ -189,16 +215,16 @@ def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsErro
         hint = f" (did you mean {close[0]}?)" if close else ""
         name = ".".join([*keys, bad])
         return SettingsError(
-            f"{_culprit([*keys, bad], layers)}: {name}",
+            f"{_culprit([*keys, bad], layers).name}: {name}",
             found=f"no setting of this name{hint}",
             accepted=", ".join(known),
         )
     if missing := re.search(r"missing required field `(.*)`", text):
         keys = [*keys, missing.group(1)]
-        return SettingsError(f"{_culprit(keys, layers)}: {'.'.join(keys)}", found="nothing", accepted="a value")
+        return SettingsError(f"{_culprit(keys, layers).name}: {'.'.join(keys)}", found="nothing", accepted="a value")
     there, value = _lookup(merged, keys)
     return SettingsError(
-        f"{_culprit(keys, layers)}: {'.'.join(keys)}",
+        f"{_culprit(keys, layers).name}: {'.'.join(keys)}",
         found=repr(value) if there else "",
         accepted=_accepted(text, keys),
     )
@@ -214,12 +240,11 @@ def _accepted(text: str, keys: list[str]) -> str:
     return wanted
 
 
-def _bad_entry(colors: Table, key: str) -> str:
-    """The first color class that is wrong: the only dicts in the settings."""
-    wanted = {"classes": tuple[ColorRange, ...], "samples": tuple[HexColor, ...]}[key]
-    for name, entry in colors[key].items():
+def _bad_entry(merged: Table, keys: list[str]) -> str:
+    """The first entry that is wrong of one of the dicts in the settings."""
+    for name, entry in _lookup(merged, keys)[1].items():
         try:
-            msgspec.convert(entry, wanted)
+            msgspec.convert(entry, DICTS[".".join(keys)])
         except msgspec.ValidationError:
             return str(name)
     return "?"

@@ -6,7 +6,7 @@ import pytest
 from app.field_report import STEPS, Outlines, Points, RobotBody, field_from
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, rotation
-from vision_core.rtdb.records import ServiceInfo
+from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 from vision_core.settings_models import camera_model_from, mirror_from

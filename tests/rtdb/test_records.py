@@ -5,7 +5,8 @@ from typing import TypeVar
 
 from vision_core.clock import Instant
 from vision_core.rtdb import records
-from vision_core.rtdb.records import Item, Processes, ProcessInfo, ServiceInfo
+from vision_core.rtdb.infos import Processes, ProcessInfo, ServiceInfo
+from vision_core.rtdb.items import Item
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings_files import load_settings
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team

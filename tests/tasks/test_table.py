@@ -1,42 +1,70 @@
 """The task table proves itself."""
 
-from dataclasses import replace
+from pathlib import Path
 
-from vision_core.settings_files import load_settings
-from vision_core.tasks.table import Task, problems, record_specs, task_table
+import pytest
+
+from vision_core.errors import SettingsError
+from vision_core.scheduling.checks import problems, warnings
+from vision_core.settings_files import layers_of, load_settings, place_of, settings_from_layers
+from vision_core.tasks.table import GIVEN, check_table, record_specs, task_table
+
+DEVICE = load_settings(options={"source.uri": "camera:0"})
 
 
-def test_our_table_is_in_order() -> None:
-    assert problems(task_table("main")) == []
+@pytest.mark.parametrize("settings", [load_settings(), DEVICE], ids=["simulated", "device"])
+def test_our_table_is_in_order(settings: object) -> None:
+    assert isinstance(settings, type(DEVICE))
+    table = task_table(settings)
+    assert problems(table, GIVEN, settings.camera.rate_hz) == []
+    assert warnings(table) == []
 
 
 def test_every_record_of_the_table_has_a_place() -> None:
-    tasks = task_table("main")
-    places = {spec.name for spec in record_specs(load_settings(), tasks)}
+    settings = load_settings()
+    tasks = task_table(settings)
+    places = {spec.name for spec in record_specs(settings, tasks, ["a", "b"])}
     for task in tasks:
-        assert {*task.reads, *task.writes, f"task/{task.name}"} <= places
+        assert {*task.reads, *task.writes, f"task/{task.name}", f"timing/{task.name}"} <= places
+    assert {"beat/a", "beat/b"} <= places
 
 
-def test_two_writers_are_named() -> None:
-    tasks = task_table("main")
-    twice = Task("again", "m", None, (), ("world",))
-    assert problems([*tasks, twice]) == ["world is written by serve and by again"]
+def test_a_device_delivers_by_itself() -> None:
+    assert "source" not in {task.name for task in task_table(DEVICE)}
 
 
-def test_an_input_that_nobody_writes_is_named() -> None:
-    lonely = Task("lonely", "m", None, ("ghost",), ())
-    assert problems([*task_table("main"), lonely]) == ["lonely reads ghost, which nobody writes"]
+def check(tmp_path: Path, text: str) -> str:
+    """What is said of a venue."""
+    venue = tmp_path / "venue.toml"
+    venue.write_text(text)
+    layers = layers_of(str(venue))
+    with pytest.raises(SettingsError) as said:
+        check_table(settings_from_layers(layers), lambda key: place_of(key, layers))
+    return str(said.value).replace(str(tmp_path), "")
 
 
-def test_a_trigger_must_be_read() -> None:
-    blind = Task("blind", "m", "world", (), ())
-    assert problems([*task_table("main"), blind]) == ["blind is triggered by world, which it does not read"]
+OWN = 'priority = 1\nperiod_ms = 100.0\nbudget_ms = 1.0\nmodule = "m"\n'
 
 
-def test_a_cycle_is_found() -> None:
-    first = Task("first", "m", "b", ("b",), ("a",))
-    second = replace(first, name="second", trigger="a", reads=("a",), writes=("b",))
-    assert problems([first, second]) == [
-        "first is released by a cycle through first",
-        "second is released by a cycle through second",
-    ]
+def test_a_wrong_line_is_named_with_its_file_and_number(tmp_path: Path) -> None:
+    said = check(tmp_path, f"[camera]\nrate_hz = 25.0\n[tasks.mine]\n{OWN}writes = ['world']\n")
+    assert said == (
+        "/venue.toml, line 8: tasks.mine.writes; found: world, which serve writes; accepted: one writer for a record"
+    )
+    assert "/venue.toml, line 2: tasks.lines.offset_ms; found: 400 at" in check(
+        tmp_path, "[tasks.lines]\noffset_ms = 400.0\n"
+    )
+    assert "/venue.toml, line 1: tasks.ghost; found: no task of this name" in check(
+        tmp_path, "[tasks.ghost]\npriority = 1\nperiod_ms = 1.0\nbudget_ms = 0.0\n"
+    )
+    assert "default.toml, line" in check(tmp_path, "[camera]\nrate_hz = 900.0\n")
+
+
+def test_a_task_of_ones_own_stands_in_the_table_and_has_a_record(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text(f"[tasks.mine]\n{OWN}reads = ['world']\nwrites = ['lab/mine']\n")
+    settings = load_settings(str(venue))
+    check_table(settings, str)
+    mine = next(task for task in task_table(settings) if task.name == "mine")
+    assert (mine.trigger, mine.process, mine.priority, mine.period_s) == ("period", "mine", 1, 0.1)
+    assert "lab/mine" in {spec.name for spec in record_specs(settings, task_table(settings), [])}

@@ -6,13 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from vision_core.capture.pace import RateKeeper, rate_keeper
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
 from vision_core.opencv import Video, open_video, read_picture
+from vision_core.pace import Keeper, rate_keeper
 from vision_core.settings import CameraSettings
 
+MOST_KEPT = 512 * 1024 * 1024
+"""Of decoded pictures [bytes]: a folder is shown at any rate, without decoding it again and again."""
 PICTURES = frozenset({".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"})
 
 
@@ -21,33 +23,48 @@ class Pictures:
 
     repeats = True
 
-    def __init__(self, paths: Sequence[Path], description: str, camera: CameraSettings, keeper: RateKeeper) -> None:
+    def __init__(self, paths: Sequence[Path], description: str, camera: CameraSettings, keeper: Keeper) -> None:
         self.description = description
         self.rate_hz = camera.rate_hz
         self._size_px = camera.width_px, camera.height_px
         self._paths = paths
-        self._keeper = keeper
+        self.keeper: Keeper = keeper
         self._next = 0
-        self._open_path, self._open_picture = paths[0], self._read(paths[0])
+        self._kept: dict[tuple[Path, int], Bytes] = {}
+        self._read(paths[0])
 
     @property
     def skipped(self) -> int:
-        return self._keeper.skipped
+        return self.keeper.skipped
 
     def grab(self, pixels: Bytes) -> Instant:
         """The next picture, as ``Source.grab``. Raises SourceError when it cannot be read or has another size."""
-        instant = self._keeper.wait()
+        instant = self.keeper.wait()
         path = self._paths[self._next % len(self._paths)]
         self._next += 1
-        if path != self._open_path:
-            self._open_path, self._open_picture = path, self._read(path)
-        np.copyto(pixels, self._open_picture)
+        np.copyto(pixels, self._picture(path))
         return instant
+
+    def _picture(self, path: Path) -> Bytes:
+        """A picture as its file is now, read once while there is room to keep it."""
+        try:
+            key = path, path.stat().st_mtime_ns
+        except OSError:
+            return self._read(path)  # which says why
+        if key not in self._kept:
+            picture = self._read(path)
+            if len(self._kept) * picture.nbytes >= MOST_KEPT:
+                self._kept.clear()
+            self._kept[key] = picture
+        return self._kept[key]
 
     def check(self) -> None:
         """Read every picture once. Raises SourceError for the first that cannot be read or has another size."""
         for path in self._paths:
             self._read(path)
+
+    def prepare(self) -> None:
+        """It is all there."""
 
     def close(self) -> None:
         """Nothing is held open."""
@@ -70,18 +87,18 @@ class VideoPlayback:
         check_size(f"video {path}", (self._video.width_px, self._video.height_px), (camera.width_px, camera.height_px))
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         self.description = f"video {path.name} at {self.rate_hz:g} Hz, looped"
-        self._keeper = rate_keeper(self.rate_hz, clock, paced=paced)
+        self.keeper: Keeper = rate_keeper(self.rate_hz, clock, paced=paced)
         self._shown = -1
 
     @property
     def skipped(self) -> int:
-        return self._keeper.skipped
+        return self.keeper.skipped
 
     def grab(self, pixels: Bytes) -> Instant:
         """The next frame, as ``Source.grab``. Raises SourceError when the file has no frame any more."""
-        instant = self._keeper.wait()
-        missed = min(self._keeper.number - self._shown - 1, round(self.rate_hz))
-        self._shown = self._keeper.number
+        instant = self.keeper.wait()
+        missed = min(self.keeper.number - self._shown - 1, round(self.rate_hz))
+        self._shown = self.keeper.number
         for _ in range(missed):
             if not self._video.skip():
                 self._rewind()
@@ -90,6 +107,9 @@ class VideoPlayback:
             if not self._video.read(pixels):
                 raise SourceError(f"video {self._path}", found="no frame that can be decoded", accepted="a video")
         return instant
+
+    def prepare(self) -> None:
+        """It is all there."""
 
     def close(self) -> None:
         """Close the file."""

@@ -6,8 +6,10 @@ from typing import Protocol
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
+from vision_core.pace import Keeper
 from vision_core.settings import Settings
 
+DEVICE = "camera"
 ACCEPTED = "synthetic, file:<picture, folder or video>, camera:<number or path of the device>"
 
 
@@ -38,6 +40,23 @@ class Source(Protocol):
         ...
 
 
+class Played(Source, Protocol):
+    """A source that is no device: it shows what it is asked for, when it is asked."""
+
+    keeper: Keeper
+    """Says when the next image is due; who orders images puts one of his own in its place."""
+
+    def prepare(self) -> None:
+        """Make whatever the first image would have to wait for."""
+        ...
+
+
+def is_device(settings: Settings) -> bool:
+    """Does ``source.uri`` name a camera, which delivers by itself?"""
+    kind, _, device = settings.source.uri.partition(":")
+    return kind == DEVICE and bool(device)
+
+
 def open_source(settings: Settings, clock: Clock, *, paced: bool = True) -> Source:
     """The source that ``source.uri`` names.
 
@@ -45,6 +64,15 @@ def open_source(settings: Settings, clock: Clock, *, paced: bool = True) -> Sour
     instants of a virtual clock that starts now. Raises SourceError when the address means nothing, the
     device or file cannot be opened, or its size is not the camera's.
     """
+    if is_device(settings):
+        from vision_core.capture.camera import DeviceCamera
+
+        return DeviceCamera(settings.source.uri.partition(":")[2], settings.camera, clock)
+    return open_played(settings, clock, paced=paced)
+
+
+def open_played(settings: Settings, clock: Clock, *, paced: bool) -> Played:
+    """The simulated camera or the files that ``source.uri`` names; as ``open_source``."""
     uri = settings.source.uri
     kind, _, rest = uri.partition(":")
     # each kind brings its own libraries: a camera needs no compiler, a simulation no codecs
@@ -56,8 +84,4 @@ def open_source(settings: Settings, clock: Clock, *, paced: bool = True) -> Sour
         from vision_core.capture.playback import open_file
 
         return open_file(Path(rest), settings.camera, clock, paced=paced)
-    if kind == "camera" and rest:
-        from vision_core.capture.camera import DeviceCamera
-
-        return DeviceCamera(rest, settings.camera, clock)
     raise SourceError("source.uri", found=repr(uri), accepted=ACCEPTED)

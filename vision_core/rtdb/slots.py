@@ -61,6 +61,15 @@ class _Ring:
             body = start + SLOT_HEADER
             self._payloads.append(memory[body : body + spec.capacity])
 
+    @property
+    def sequence(self) -> int:
+        """Number of the newest write; 0 before the first."""
+        return int(self._head[0])
+
+    def payload(self, slot: int) -> memoryview:
+        """A slot's payload, for somebody whom the record's writer has asked to fill it (as a camera fills a buffer)."""
+        return self._payloads[slot]
+
     def release(self) -> None:
         """Let go of the memory, so that it can be unmapped."""
         for view in (self._head, *self._fields, *self._payloads):
@@ -79,9 +88,13 @@ class SlotWriter(_Ring):
 
     def begin(self) -> memoryview:
         """Open the next slot and hand out its payload to be filled in place."""
-        index = (self._head[0] + 1) % self.spec.slots
-        self._fields[index][BEGUN] = self._head[0] + 1
-        return self._payloads[index]
+        self._fields[self.next_slot][BEGUN] = self._head[0] + 1
+        return self._payloads[self.next_slot]
+
+    @property
+    def next_slot(self) -> int:
+        """Which slot the next write goes to."""
+        return (int(self._head[0]) + 1) % self.spec.slots
 
     def commit(self, length: int, measured: Instant, now: Instant) -> int:
         """Publish the slot that ``begin`` opened; returns its sequence number."""
@@ -97,11 +110,6 @@ class SlotWriter(_Ring):
 
 class SlotReader(_Ring):
     """A reader of a record."""
-
-    @property
-    def sequence(self) -> int:
-        """Number of the newest write; 0 before the first."""
-        return int(self._head[0])
 
     def read(self, now: Instant) -> Reading | None:
         """The newest value with its age; None before the first write, or when three tries were torn."""

@@ -1,73 +1,117 @@
-"""Process: light -> images. Fills the ring of frames from a source and releases perception.
+"""Task: light -> images. Fills the ring of frames and releases perception.
 
-A source that fails is reopened once a second, and until it delivers again nothing is published: no
-stale image is ever passed on as fresh.
+A device delivers by itself, into the slot that it is given. Files and the simulated camera are no devices: their images
+are made by the task ``source``, which has no real-time priority, as a camera's chip would make them; this task orders
+one after the other into the ring's next slot and publishes each at its instant. An image that comes late is
+published late, under the instant that it was ordered for; a period that has passed meanwhile is left out and counted.
+
+A device that fails is opened again once a second, and until it delivers nothing is published: no stale image is
+passed on as fresh.
 """
-
-import time
 
 import numpy as np
 
-from vision_core.capture.source import Source, open_source
-from vision_core.clock import MonotonicClock
+from vision_core.capture.source import Source, is_device, open_source
+from vision_core.clock import seconds_between
 from vision_core.errors import SourceError
+from vision_core.pace import RateKeeper
 from vision_core.rtdb import records
-from vision_core.rtdb.attachment import Attachment, attach
-from vision_core.rtdb.records import SourceInfo
-from vision_core.rtdb.slots import SlotWriter
-from vision_core.settings import Settings
-from vision_core.tasks.gauge import Gauge
+from vision_core.rtdb.infos import Order, SourceInfo
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.releases import Release
 
 REOPEN_EVERY_S = 1.0
+PATIENCE_S = 1.0
+"""An ordered image that has not come by then is missing; it is waited for all the same."""
 
 
-def main() -> None:
-    """Run until the supervisor says stop."""
-    attachment = attach()
-    clock = MonotonicClock()
-    gauge = Gauge(attachment, clock.now())
-    settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
-    frames = attachment.store.writer(f"frames/{settings.camera.name}")
-    about = records.source(settings.camera.name).writer(attachment.store)
-    while not attachment.stopping:
+def start(handle: Handle) -> Step:
+    """Open the device, if there is one."""
+    return _from_device(handle) if is_device(handle.settings) else _from_orders(handle)
+
+
+def _from_device(handle: Handle) -> Step:
+    camera = handle.settings.camera
+    frames = handle.slots_to_fill(f"frames/{camera.name}")
+    about = handle.writer(records.source(camera.name))
+    shape = (camera.height_px, camera.width_px, 3)
+    source: Source | None = None
+
+    def opened() -> Source:
+        fresh = open_source(handle.settings, handle.clock)
+        now = handle.clock.now()
+        about.write(info_of(fresh, handle.settings.source.uri), now, now)
+        return fresh
+
+    def step(release: Release) -> bool:
+        nonlocal source
         try:
-            source = open_source(settings, clock)
-            try:
-                about.write(_info_of(source, settings), clock.now(), clock.now())
-                _run(attachment, settings, source, frames, gauge)
-            finally:
-                source.close()
+            source = source or opened()
+            pixels = np.frombuffer(frames.begin(), dtype=np.uint8).reshape(shape)
+            grabbed = source.grab(pixels)
         except SourceError as error:
-            gauge.note = str(error)
-            gauge.publish(clock.now())
-            time.sleep(REOPEN_EVERY_S)
+            if source is not None:
+                source.close()
+            source, handle.note = None, str(error)
+            handle.sleep(REOPEN_EVERY_S)
+            return False
+        release.due, release.began = grabbed, handle.clock.now()
+        frames.commit(pixels.size, grabbed, release.began)
+        handle.note = ""
+        return True
+
+    return step
 
 
-def _run(attachment: Attachment, settings: Settings, source: Source, frames: SlotWriter, gauge: Gauge) -> None:
-    """Grab frames into the ring until told to stop. Raises SourceError when the source is gone."""
-    clock = MonotonicClock()
-    shape = (settings.camera.height_px, settings.camera.width_px, 3)
+def _from_orders(handle: Handle) -> Step:
+    camera = handle.settings.camera
+    frames = handle.slots_to_fill(f"frames/{camera.name}")
+    orders = handle.writer(records.orders(camera.name))
+    exposures = handle.reader(records.exposures(camera.name))
+    about = handle.reader(records.source(camera.name))
+    size = camera.height_px * camera.width_px * 3
+    keeper: RateKeeper | None = None
+    order: Order | None = None
+    number = orders.sequence
     skipped = 0
-    while not attachment.stopping:
-        pixels = np.frombuffer(frames.begin(), dtype=np.uint8).reshape(shape)
-        grabbed = source.grab(pixels)
-        frames.commit(pixels.size, grabbed, clock.now())
-        attachment.notify(frames.spec.name)
-        gauge.note = ""
-        now = clock.now()
-        gauge.ran(grabbed, now, source.skipped - skipped)
-        skipped = source.skipped
-        gauge.publish_if_due(now)
+
+    def ordered(keeper: RateKeeper) -> Order:
+        """Ask for the image of the next instant."""
+        nonlocal number
+        number += 1
+        frames.begin()
+        fresh = Order(number, frames.next_slot, keeper.choose())
+        now = handle.clock.now()
+        orders.write(fresh, now, now)
+        handle.notify(records.orders(camera.name).spec.name)
+        return fresh
+
+    def step(release: Release) -> bool:
+        nonlocal keeper, order, skipped
+        if order is None:
+            told = about.read(handle.clock.now())
+            if told is None:
+                handle.wait(PATIENCE_S)
+                return False
+            if keeper is None or keeper.rate_hz != told.value.rate_hz:
+                keeper, skipped = RateKeeper(told.value.rate_hz, handle.clock, handle.sleep), 0
+            order = ordered(keeper)
+        assert keeper is not None
+        keeper.sleep()
+        while (filled := exposures.read(handle.clock.now())) is None or filled.value.number != order.number:
+            if not handle.wait(PATIENCE_S):
+                late_s = seconds_between(order.instant, handle.clock.now())
+                handle.note = f"no image of the source: it is {late_s:.1f} s late"
+                return False
+        release.due, release.began = order.instant, handle.clock.now()
+        release.missed, skipped = keeper.skipped - skipped, keeper.skipped
+        frames.commit(size, order.instant, release.began)
+        order, handle.note = None, ""
+        return True
+
+    return step
 
 
-def _info_of(source: Source, settings: Settings) -> SourceInfo:
-    return SourceInfo(
-        uri=settings.source.uri,
-        description=source.description,
-        repeats=source.repeats,
-        rate_hz=source.rate_hz,
-    )
-
-
-if __name__ == "__main__":
-    main()
+def info_of(source: Source, uri: str) -> SourceInfo:
+    """What a source is, as others read it."""
+    return SourceInfo(uri, source.description, source.repeats, source.rate_hz)

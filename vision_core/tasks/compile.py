@@ -18,7 +18,6 @@ from vision_core.kernel_cache import kernel_folder
 from vision_core.rtdb import records
 from vision_core.rtdb.attachment import attach
 from vision_core.settings import Settings
-from vision_core.tasks.gauge import Gauge
 
 VERSIONS_KEPT = 5
 """Folders of kernels of other versions of the code, the newest ones."""
@@ -31,7 +30,6 @@ def main() -> None:
     """Compile, then end."""
     attachment = attach()
     clock = MonotonicClock()
-    gauge = Gauge(attachment, clock.now())
     settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
     folder = kernel_folder()
     complete = folder / f"complete-{settings.source.uri.partition(':')[0]}"
@@ -40,7 +38,7 @@ def main() -> None:
     running = {step: _started(step, settings) for step in STEPS}
     told = ""
     while running and not attachment.stopping:
-        gauge.publish(clock.now())
+        attachment.beat(clock.now())
         ended = [step for step, process in running.items() if process.poll() is not None]
         if failed := [step for step in ended if running[step].returncode]:
             break

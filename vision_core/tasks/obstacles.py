@@ -1,13 +1,12 @@
-"""Process: images -> obstacles. Released by every new frame, looks at as many as ``obstacles.rate_hz`` says."""
+"""Task: images -> obstacles. Less often than frames come; the tracker predicts them in between."""
 
-from vision_core.clock import NS_PER_S, MonotonicClock
 from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.rtdb import records
-from vision_core.rtdb.attachment import attach
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.releases import Release
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from
-from vision_core.tasks.gauge import Gauge
-from vision_core.tasks.glimpses import glimpses
+from vision_core.tasks.images import Images
 from vision_core.types.objects import Obstacles
 
 
@@ -24,26 +23,22 @@ def finder_from(settings: Settings) -> ObstacleFinder:
     )
 
 
-def main() -> None:
-    """Run until the supervisor says stop."""
-    attachment = attach()
-    clock = MonotonicClock()
-    gauge = Gauge(attachment, clock.now())
-    settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
-    camera = settings.camera
-    finder = finder_from(settings)
-    sightings = records.sightings(camera.name).reader(attachment.store)
-    obstacles = records.obstacles(camera.name).writer(attachment.store)
-    period_ns = round(NS_PER_S / settings.obstacles.rate_hz)
-    for image, taken in glimpses(attachment, gauge, clock, camera, period_ns):
-        seen = sightings.read(taken)
-        if seen is None or not seen.valid:  # who does not know the robots takes them for obstacles
-            continue
+def start(handle: Handle) -> Step:
+    """Make the finder."""
+    camera = handle.settings.camera.name
+    finder = finder_from(handle.settings)
+    images = Images(handle)
+    sightings = handle.reader(records.sightings(camera))
+    obstacles = handle.writer(records.obstacles(camera))
+
+    def step(_release: Release) -> bool:
+        now = handle.clock.now()
+        seen = sightings.read(now)
+        image = images.newest()
+        if image is None or seen is None or not seen.valid:  # who does not know the robots takes them for obstacles
+            return False
         things = finder.find(image.pixels, seen.value.robots, seen.value.balls)
-        done = clock.now()
-        obstacles.write(Obstacles(camera.name, image.number, image.grabbed, things), image.grabbed, done)
-        gauge.ran(taken, done)
+        obstacles.write(Obstacles(camera, image.number, image.grabbed, things), image.grabbed, handle.clock.now())
+        return True
 
-
-if __name__ == "__main__":
-    main()
+    return step

@@ -1,149 +1,158 @@
-"""The task table: every process of the service, on one page.
+"""The task table: everything that runs, on one page.
 
     light -> capture -> frames -> perceive -> sightings -> serve -> datagrams
-                          |                                  |  |
-                          +-> obstacles ---------------------+  |
-                          +-> diagnose          web  <-  everything that was written
+       source (renders)   |                                 | |
+                          +-> obstacles --------------------+ |
+                          +-> boundary, lines, exposure, colors, diagnose      web <- everything that was written
 
-A task runs when the record that triggers it was written; capture is released by its camera. One writer
-per record, no cycle: ``problems`` proves it, a test calls it, and the supervisor starts what stands here.
+What a task is stands here: what releases it, what it reads, what it writes. When it runs stands in the settings
+(``[tasks]`` of config/default.toml): priority, period, offset, budget, process. A venue may add tasks of its own there.
+One writer per record, no cycle, rates that add up: ``check_table`` proves it before the service starts, ``pslv tasks
+--check`` and a test do too; the supervisor starts what stands here, and a task gets at no other records.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 
+from vision_core.capture.source import is_device
+from vision_core.errors import SettingsError
 from vision_core.rtdb import records
 from vision_core.rtdb.layout import RecordSpec
-from vision_core.settings import Settings
+from vision_core.scheduling.checks import Problem, problems
+from vision_core.scheduling.task import DRIVER, NONE, Task
+from vision_core.settings import Settings, TaskSettings
 
-BY_SUPERVISOR = ("service", "processes")
-"""Records that the supervisor writes."""
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """One process."""
-
-    name: str
-    module: str
-    """Started as ``python -m <module>``."""
-    trigger: str | None
-    """The record whose writing releases it; None: released by something outside."""
-    reads: tuple[str, ...]
-    writes: tuple[str, ...]
-    """Beside ``task/<name>``, which every task writes."""
-    sockets: tuple[str, ...] = ()
-    """Sockets of the supervisor that it uses."""
-    needs_kernels: bool = True
-    """Started only when the kernels are compiled."""
-    once: bool = False
-    """Runs to its end and is not started again."""
+GIVEN = ("service", "processes", "selftest")
+"""Records that no task writes: the supervisor does, and what runs once at the start."""
+SOURCE = "source"
+"""Task that plays the camera, when there is none."""
+LARGEST_OWN = 65536
+"""Record of a task of one's own [bytes]."""
+PERIODS_VALID = 3.0
+S_PER_MS = 1e-3
 
 
-def task_table(camera: str) -> tuple[Task, ...]:
-    """Every task of a service with one camera."""
+def task_table(settings: Settings) -> tuple[Task, ...]:
+    """Every task of a service with one camera, as the settings time it."""
+    own = [_own(name, times) for name, times in settings.tasks.items() if times.module]
+    return (*_page(settings), *own)
+
+
+def _page(settings: Settings) -> Iterator[Task]:
+    camera = settings.camera.name
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
-    obstacles, diagnosis = f"obstacles/{camera}", f"diagnosis/{camera}"
-    return (
-        Task(
-            "compile",
-            "vision_core.tasks.compile",
-            trigger=None,
-            reads=("service",),
-            writes=(),
-            needs_kernels=False,
-            once=True,
-        ),
-        Task(
-            "capture",
-            "vision_core.tasks.capture",
-            trigger=None,
-            reads=("service",),
-            writes=(frames, source),
-        ),
-        Task(
-            "perceive",
-            "vision_core.tasks.perceive",
-            trigger=frames,
-            reads=("service", frames),
-            writes=(sightings,),
-        ),
-        Task(
-            "obstacles",
-            "vision_core.tasks.obstacles",
-            trigger=frames,
-            reads=("service", frames, sightings),
-            writes=(obstacles,),
-        ),
-        Task(
-            "diagnose",
-            "vision_core.tasks.diagnose",
-            trigger=frames,
-            reads=("service", frames),
-            writes=(diagnosis,),
-        ),
-        Task(
-            "serve",
-            "vision_core.tasks.serve",
-            trigger=sightings,
-            reads=("service", sightings, obstacles, "sessions"),
-            writes=("world", "views", "serving", "sessions"),
-            sockets=("main", "session"),
-        ),
-        Task(
-            "web",
-            "app.web_process",
-            trigger=None,
-            reads=(
-                *("service", "processes", "world", "views", "serving"),
-                *(frames, source, sightings, obstacles, diagnosis),
+    orders, exposures, obstacles = f"orders/{camera}", f"exposures/{camera}", f"obstacles/{camera}"
+    watched = [f"{name}/{camera}" for name in ("boundary", "lines", "exposure", "colors")]
+    diagnosis = f"diagnosis/{camera}"
+
+    def line(
+        name: str,
+        trigger: str,
+        reads: Sequence[str],
+        writes: Sequence[str],
+        module: str = "",
+        sockets: Sequence[str] = (),
+    ) -> Task:
+        always = ("service", "proposed_settings")
+        return _timed(
+            Task(
+                name=name,
+                module=module or f"vision_core.tasks.{name}",
+                trigger=trigger,
+                reads=(*always, *reads),
+                writes=tuple(writes),
+                process=name,
+                sockets=tuple(sockets),
+                needs_kernels=name != "web",
             ),
-            writes=(),
-            sockets=("http",),
-            needs_kernels=False,
+            settings.tasks[name],
+        )
+
+    if is_device(settings):
+        yield line("capture", DRIVER, [], [frames, source])
+    else:  # images of a file or a simulation are made without real time, in the slots that capture names
+        yield line("capture", DRIVER, [exposures, source], [frames, orders])
+        yield line(SOURCE, orders, [orders, exposures, frames], [exposures, source])
+    yield line("perceive", frames, [frames], [sightings])
+    yield line(
+        "serve",
+        sightings,
+        [sightings, obstacles, "sessions"],
+        ["world", "views", "serving", "sessions", "lags"],
+        sockets=["main", "session"],
+    )
+    yield line("obstacles", frames, [frames, sightings], [obstacles])
+    for record in watched:
+        yield line(record.partition("/")[0], "period", [frames], [record])
+    yield line("diagnose", frames, [frames], [diagnosis])
+    seen = [frames, source, sightings, obstacles, *watched, diagnosis]
+    told = ["processes", "selftest", "world", "views", "serving", "lags"]
+    yield line("web", NONE, [*told, *seen], ["proposed_settings"], module="app.web_process", sockets=["http"])
+
+
+def _timed(task: Task, times: TaskSettings) -> Task:
+    return Task(
+        name=task.name,
+        module=task.module,
+        trigger=task.trigger,
+        reads=task.reads,
+        writes=task.writes,
+        process=times.process or task.name,
+        priority=times.priority,
+        period_s=times.period_ms * S_PER_MS,
+        offset_s=times.offset_ms * S_PER_MS,
+        budget_s=times.budget_ms * S_PER_MS,
+        enabled=times.enabled,
+        cores=times.cores,
+        sockets=task.sockets,
+        needs_kernels=task.needs_kernels,
+    )
+
+
+def _own(name: str, times: TaskSettings) -> Task:
+    return _timed(
+        Task(
+            name,
+            times.module,
+            times.trigger,
+            ("service", "proposed_settings", *times.reads),
+            times.writes,
+            process=name,
         ),
+        times,
     )
 
 
-def record_specs(settings: Settings, tasks: Sequence[Task]) -> tuple[RecordSpec, ...]:
-    """Every record of the service."""
+def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
+    """Raise SettingsError for the first thing that is wrong; place_of names file and line of a setting."""
+    tasks = task_table(settings)
+    names = {task.name for task in tasks} | {SOURCE}
+    unknown = (name for name in settings.tasks if name not in names)
+    accepted = f"{', '.join(sorted(names))}, or with a module a task of your own"
+    strangers = [Problem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
+    for problem in (*strangers, *problems(tasks, GIVEN, settings.camera.rate_hz)):
+        where = f"{place_of(problem.key)}: {problem.key}"
+        raise SettingsError(where, found=problem.found, accepted=problem.accepted)
+
+
+def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[str]) -> tuple[RecordSpec, ...]:
+    """Every record of the service; processes: everything that must say that it lives."""
     camera = settings.camera
-    return (
-        records.SERVICE.spec,
-        records.PROCESSES.spec,
-        records.frames(camera.name, camera.width_px, camera.height_px),
-        records.source(camera.name).spec,
-        records.sightings(camera.name).spec,
-        records.obstacles(camera.name).spec,
-        records.diagnosis(camera.name).spec,
-        records.WORLD.spec,
-        records.VIEWS.spec,
-        records.SERVING.spec,
+    declared = [
+        *(item.spec for item in (records.SERVICE, records.PROCESSES, records.SELF_TEST, records.PROPOSED)),
+        *(item.spec for item in (records.WORLD, records.VIEWS, records.SERVING)),
         records.SESSIONS,
+        records.LAG_HISTOGRAMS,
+        records.frames(camera.name, camera.width_px, camera.height_px),
+        *(kind(camera.name).spec for kind in records.PER_CAMERA),
         *(records.task(task.name).spec for task in tasks),
-    )
-
-
-def problems(tasks: Sequence[Task]) -> list[str]:
-    """What is wrong with a table: two writers, inputs that nobody writes, triggers not read, cycles."""
-    found = []
-    writers: dict[str, str] = dict.fromkeys(BY_SUPERVISOR, "supervisor")
-    for task in tasks:
-        for record in task.writes:
-            if record in writers:
-                found.append(f"{record} is written by {writers[record]} and by {task.name}")
-            writers[record] = task.name
-    for task in tasks:
-        found += [f"{task.name} reads {record}, which nobody writes" for record in task.reads if record not in writers]
-        if task.trigger is not None and task.trigger not in task.reads:
-            found.append(f"{task.name} is triggered by {task.trigger}, which it does not read")
-    for task in tasks:
-        seen, trigger = {task.name}, task.trigger
-        while trigger in writers:
-            name = writers[trigger]
-            if name in seen:
-                found.append(f"{task.name} is released by a cycle through {name}")
-                break
-            seen.add(name)
-            trigger = next((other.trigger for other in tasks if other.name == name), None)
-    return found
+        *(records.timing(task.name) for task in tasks),
+        *(records.beat(process) for process in processes),
+    ]
+    there = {spec.name for spec in declared}
+    own = [
+        RecordSpec(record, LARGEST_OWN, PERIODS_VALID * task.period_s)
+        for task in tasks
+        for record in task.writes
+        if record not in there
+    ]
+    return (*declared, *own)

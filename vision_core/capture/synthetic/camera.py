@@ -2,14 +2,16 @@
 
 from functools import cached_property
 
+import numpy as np
+
 from vision_core.camera_model import PinholeCamera
-from vision_core.capture.pace import rate_keeper
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.truth import Truth, truth_of
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
+from vision_core.pace import Keeper, rate_keeper
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from
 
@@ -39,7 +41,7 @@ class SyntheticCamera:
         self._settings = settings
         self._model = model
         self._world = World(settings)
-        self._keeper = rate_keeper(self.rate_hz, clock, paced=paced)
+        self.keeper: Keeper = rate_keeper(self.rate_hz, clock, paced=paced)
         self._shown = -1
         self._last: tuple[Instant, Snapshot] | None = None
 
@@ -49,7 +51,7 @@ class SyntheticCamera:
 
     @property
     def skipped(self) -> int:
-        return self._keeper.skipped
+        return self.keeper.skipped
 
     @property
     def truth(self) -> Truth:
@@ -59,19 +61,25 @@ class SyntheticCamera:
         instant, scene = self._last
         return truth_of(instant, scene, self._world.robots_worn, self._model, self._settings)
 
+    def prepare(self) -> None:
+        """Paint what stands still, and load the kernels."""
+        camera = self._settings.camera
+        nothing = np.zeros((camera.height_px, camera.width_px, 3), dtype=np.uint8)
+        self._renderer.draw(nothing, self._world.snapshot())
+
     def grab(self, pixels: Bytes) -> Instant:
         """Render the next image, as ``Source.grab``; the instant is the middle of its exposure.
 
         It is rendered ahead and held back until its instant: rendering costs the simulator time, not the service.
         """
         renderer = self._renderer
-        instant = self._keeper.choose()
-        self._world.advance(min((self._keeper.number - self._shown) / self.rate_hz, LONGEST_LEAP_S))
-        self._shown = self._keeper.number
+        instant = self.keeper.choose()
+        self._world.advance(min((self.keeper.number - self._shown) / self.rate_hz, LONGEST_LEAP_S))
+        self._shown = self.keeper.number
         scene = self._world.snapshot()
         self._last = instant, scene
         renderer.draw(pixels, scene)
-        return self._keeper.sleep()
+        return self.keeper.sleep()
 
     def close(self) -> None:
         """Nothing is held open."""

@@ -1,7 +1,7 @@
 """The rate keeper stays on its grid, leaves out what is over, and never hurries."""
 
-from vision_core.capture.pace import RateKeeper, rate_keeper
 from vision_core.clock import NS_PER_S, Instant, ManualClock
+from vision_core.pace import OrderedKeeper, RateKeeper, rate_keeper
 
 
 def test_instants_lie_on_the_grid_without_drift() -> None:
@@ -46,3 +46,14 @@ def test_unpaced_time_is_virtual_and_begins_now() -> None:
     keeper = rate_keeper(1.0, clock, paced=False)
     assert [keeper.wait() for _ in range(3)] == [7, 7 + NS_PER_S, 7 + 2 * NS_PER_S]
     assert clock.now() == 7
+
+
+def test_a_keeper_by_order_counts_periods_by_their_instants() -> None:
+    keeper = OrderedKeeper(50.0)
+    numbers = []
+    for ms in (1000, 1020, 1080, 1081, 2000):  # the fourth after whoever orders began anew
+        keeper.order(Instant(ms * 1_000_000))
+        assert keeper.choose() == keeper.sleep() == keeper.wait() == Instant(ms * 1_000_000)
+        numbers.append(keeper.number)
+    assert numbers == [0, 1, 4, 4, 50]
+    assert keeper.skipped == 0

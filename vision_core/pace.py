@@ -6,8 +6,20 @@ its instant has passed: it is left out and counted, and nobody hurries after it.
 
 import time
 from collections.abc import Callable
+from typing import Protocol
 
 from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock, seconds_between
+
+
+class Keeper(Protocol):
+    """Says for when the next image is, and waits until then."""
+
+    number: int
+    skipped: int
+
+    def choose(self) -> Instant: ...
+    def sleep(self) -> Instant: ...
+    def wait(self) -> Instant: ...
 
 
 class RateKeeper:
@@ -58,3 +70,33 @@ def rate_keeper(rate_hz: float, clock: Clock, *, paced: bool) -> RateKeeper:
         return RateKeeper(rate_hz, clock)
     virtual = ManualClock(clock.now())
     return RateKeeper(rate_hz, virtual, virtual.advance)
+
+
+class OrderedKeeper:
+    """The grid of somebody else, who orders one image after the other and says for when. Never waits.
+
+    Whoever orders may begin anew with a grid of its own: periods are counted by their instants.
+    """
+
+    skipped = 0
+    """It is the orderer who knows."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self.rate_hz = rate_hz
+        self.number = -1
+        """Of the period that was ordered last, the skipped ones counted."""
+        self._origin: Instant | None = None
+        self._ordered = Instant(0)
+
+    def order(self, instant: Instant) -> None:
+        """The next image is for an instant, later than all before."""
+        if self._origin is None:
+            self._origin = instant
+        self.number = round(seconds_between(self._origin, instant) * self.rate_hz)
+        self._ordered = instant
+
+    def choose(self) -> Instant:
+        """The instant that was ordered."""
+        return self._ordered
+
+    sleep = wait = choose

@@ -1,0 +1,131 @@
+"""``pslv serve``: from settings to a running service."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import webbrowser
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.status import Status
+
+from app import __version__
+from app.commands.options import ConfigFile, Venue
+from vision_core.errors import PslvError
+
+if TYPE_CHECKING:
+    from vision_core.rtdb.infos import SelfTest
+    from vision_core.settings import Settings
+
+SELF_TEST = "vision_core.scheduling.selftest"
+console = Console(stderr=True, highlight=False)
+
+
+def serve(
+    source: Annotated[
+        str | None,
+        typer.Option(
+            envvar="PSLV_SOURCE",
+            help="synthetic, file:PICTURE, file:FOLDER, file:VIDEO or camera:0, camera:/dev/video0.",
+        ),
+    ] = None,
+    venue: Venue = None,
+    config: ConfigFile = None,
+    host: Annotated[str | None, typer.Option(envvar="PSLV_HOST", help="Address of the page.")] = None,
+    udp_host: Annotated[
+        str | None, typer.Option(envvar="PSLV_UDP_HOST", help="Address of the UDP ports; without it, as --host.")
+    ] = None,
+    port: Annotated[int | None, typer.Option(envvar="PSLV_PORT", help="TCP port of the page; 0: any free one.")] = None,
+    udp_port: Annotated[int | None, typer.Option(envvar="PSLV_UDP_PORT", help="UDP port for (init ...).")] = None,
+    session_port: Annotated[
+        int | None,
+        typer.Option(envvar="PSLV_SESSION_PORT", help="UDP port of the sessions; without it, --udp-port + 1."),
+    ] = None,
+) -> None:
+    """Start the service: camera, vision, UDP server and page."""
+    from vision_core.settings_files import layers_of, place_of, settings_from_layers
+    from vision_core.tasks.table import check_table
+
+    options = {
+        "source.uri": source,
+        "server.host": host,
+        "server.udp_host": udp_host,
+        "server.port": port,
+        "server.udp_port": udp_port,
+        "server.session_port": session_port,
+    }
+    layers = layers_of(venue, config, options)
+    settings = settings_from_layers(layers)
+    check_table(settings, lambda key: place_of(key, layers))
+    sys.exit(_run(settings))
+
+
+def _run(settings: "Settings") -> int:
+    """The service until somebody stops it; its exit status."""
+    from app.holders import lock_camera
+    from app.service_plan import plan_service, prepare_data_folder
+    from app.supervisor.service import Supervisor
+    from vision_core.capture.source import is_device
+    from vision_core.scheduling.selftest import in_words
+
+    prepare_data_folder()
+    with contextlib.ExitStack() as held:
+        if is_device(settings):
+            held.enter_context(lock_camera(settings.source.uri.partition(":")[2]))
+        machine = _try_out(settings)
+        plan, info = plan_service(settings, __version__, machine)
+        _tell(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
+        _tell(in_words(machine))
+        if os.environ.get("DISPLAY") and sys.stdout.isatty():
+            webbrowser.open(info.http)
+        return Supervisor(plan, _tell, _Progress().show).run()
+
+
+def _try_out(settings: "Settings") -> "SelfTest":
+    """Open the source once, and see how well the machine keeps time: each in a process of its own, so that nothing is
+    half started when that fails. Raises PslvError."""
+    import msgspec
+
+    from vision_core.rtdb.infos import SelfTest
+
+    with subprocess.Popen([sys.executable, "-m", SELF_TEST], stdout=subprocess.PIPE) as timing:
+        opened = subprocess.run(
+            [sys.executable, "-m", "vision_core.tasks.preflight"],
+            input=msgspec.json.encode(settings),
+            capture_output=True,
+            check=False,
+        )
+        if opened.returncode:
+            timing.kill()
+            lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
+            raise PslvError(lines[-1] if opened.returncode == 2 else "\n".join(lines))
+        return msgspec.json.decode(timing.communicate()[0], type=SelfTest)
+
+
+def _tell(line: str) -> None:
+    """News of the service. That nobody reads the log any more, or its disk is full, is no reason to stop it."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
+
+
+class _Progress:
+    """The compiler's progress: a spinner on a terminal, lines elsewhere."""
+
+    def __init__(self) -> None:
+        self._status: Status | None = None
+
+    def show(self, text: str) -> None:
+        """Show how far it is; the empty string ends it."""
+        if not text:
+            if self._status is not None:
+                self._status.stop()
+            self._status = None
+        elif not console.is_terminal:
+            _tell(f"preparing {text}")
+        elif self._status is None:
+            self._status = console.status(f"preparing {text}")
+            self._status.start()
+        else:
+            self._status.update(f"preparing {text}")

@@ -1,0 +1,63 @@
+"""``pslv tasks``: the task table, and whether it is sound."""
+
+import os
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from app.commands.options import ConfigFile, Venue
+
+if TYPE_CHECKING:
+    from vision_core.scheduling.task import Task
+
+
+def tasks(
+    venue: Venue = None,
+    config: ConfigFile = None,
+    check: Annotated[bool, typer.Option("--check", help="Say whether it is sound; exit status 2 if not.")] = False,
+) -> None:
+    """Print the task table: what runs when, at which priority, and what it reads and writes."""
+    from vision_core.scheduling.checks import load, warnings
+    from vision_core.settings_files import layers_of, place_of, settings_from_layers
+    from vision_core.tasks.table import check_table, task_table
+
+    layers = layers_of(venue, config)
+    settings = settings_from_layers(layers)
+    table, rate_hz = task_table(settings), settings.camera.rate_hz
+    out = Console(highlight=False, width=None if sys.stdout.isatty() else 200)
+    if not check:
+        out.print(_drawn(table))
+    check_table(settings, lambda key: place_of(key, layers))
+    for warning in warnings(table):
+        out.print(f"warning: {warning}", soft_wrap=True)
+    cores, processes = len(os.sched_getaffinity(0)), len({task.process for task in table})
+    used = f"budgets of real-time tasks fill {load(table, rate_hz):.2f} of {cores} cores at {rate_hz:g} frames a second"
+    out.print(f"in order: {len(table)} tasks in {processes} processes; {used}", soft_wrap=True)
+
+
+def _drawn(table: "tuple[Task, ...]") -> Table:
+    drawn = Table("task", "released by", "priority", "budget", "process", "reads", "writes", box=None, pad_edge=False)
+    for task in sorted(table, key=lambda task: -task.priority):
+        own = [record for record in task.reads if record not in ("service", "proposed_settings")]
+        drawn.add_row(
+            task.name if task.enabled else f"{task.name} (off)",
+            _release(task),
+            f"FIFO {task.priority}" if task.priority else "ordinary",
+            f"{task.budget_s * 1e3:g} ms" if task.budget_s else "-",
+            task.process,
+            " ".join(own),
+            " ".join(task.writes),
+        )
+    return drawn
+
+
+def _release(task: "Task") -> str:
+    """In words, what releases it."""
+    period = f"every {task.period_s * 1e3:g} ms" if task.period_s else ""
+    if task.trigger == "period":
+        return f"{period} + {task.offset_s * 1e3:g}" if task.offset_s else period
+    words = {"driver": "its driver", "none": "itself"}.get(task.trigger, task.trigger)
+    return f"{words}, {period}" if period else words

@@ -1,0 +1,41 @@
+"""A task of your own: how far the ball is from the nearest robot, five times a second, as a record of the database.
+
+In a venue file:
+
+    [tasks.nearest]
+    module = "examples.own_task"
+    period_ms = 200.0
+    offset_ms = 7.0
+    priority = 10
+    budget_ms = 2.0
+    reads = ["world"]
+    writes = ["lab/nearest"]
+
+``pslv tasks --venue FILE`` shows it in the table, ``pslv top`` its record. Run from the repository's root, or install
+your module.
+"""
+
+import math
+
+from vision_core.rtdb import records
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.releases import Release
+
+
+def start(handle: Handle) -> Step:
+    """Called once, when the process starts: prepare what takes time here."""
+    world = handle.reader(records.WORLD)
+    nearest = handle.slots_to_fill("lab/nearest")
+
+    def step(_release: Release) -> bool:
+        """Called at every release; False: there was nothing to do."""
+        now = handle.clock.now()
+        seen = world.read(now)
+        if seen is None or not seen.valid or seen.value.ball is None or not seen.value.robots:
+            return False
+        ball = seen.value.ball
+        distance_m = min(math.hypot(robot.x_m - ball.x_m, robot.y_m - ball.y_m) for robot in seen.value.robots)
+        nearest.write(f"{distance_m:.3f} m".encode(), seen.measured, now)
+        return True
+
+    return step

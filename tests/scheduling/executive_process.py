@@ -1,0 +1,84 @@
+"""Main module: an executive over tasks that only count, and somebody beside it who writes, proposes and stops.
+
+Prints as JSON what was counted, and what the tasks' records say in the end.
+"""
+
+import json
+import os
+import threading
+import time
+from dataclasses import asdict
+from typing import Any
+
+from vision_core.clock import MonotonicClock
+from vision_core.rtdb import records
+from vision_core.rtdb.attachment import Attachment, HandDown
+from vision_core.rtdb.infos import Proposal, ProposedSettings
+from vision_core.rtdb.items import packed
+from vision_core.rtdb.store import create_block
+from vision_core.scheduling.executive import Executive
+from vision_core.scheduling.handle import Handle
+from vision_core.scheduling.releases import Release
+from vision_core.scheduling.task import PERIOD, Task
+from vision_core.settings_files import load_settings
+
+IMAGES, SEEN = packed("images", int, 64, 1.0), packed("seen", int, 64, 1.0)
+TASKS = (
+    Task("slow", "m", PERIOD, (), (), "p", priority=3, period_s=0.04),
+    Task("eyes", "m", "images", ("images",), ("seen",), "p", priority=5, budget_s=1e-9),
+    Task("idle", "m", PERIOD, (), (), "p", priority=4, period_s=0.02),
+)
+PHASE_S = 0.5
+
+
+def main() -> None:
+    """Phases of half a second: as declared; slow twice as fast and eyes off; all as declared again."""
+    specs = (
+        *(item.spec for item in (IMAGES, SEEN, records.PROPOSED)),
+        *(records.task(task.name).spec for task in TASKS),
+        *(records.timing(task.name) for task in TASKS),
+        records.beat("p"),
+    )
+    block, wake, heard = create_block(specs), os.eventfd(0, os.EFD_NONBLOCK), os.eventfd(0, os.EFD_NONBLOCK)
+    handed = HandDown("p", os.getpid(), time.monotonic_ns(), block, specs, wake, {"seen": (heard,)}, {})
+    attachment = Attachment(handed)
+    counts: dict[str, list[int]] = {task.name: [0] for task in TASKS}
+    order: list[str] = []
+
+    def counting(task: Task) -> tuple[Handle, Any]:
+        handle = Handle(task, attachment, load_settings())
+        told = handle.writer(SEEN) if task.name == "eyes" else None
+
+        def step(_release: Release) -> bool:
+            counts[task.name][-1] += 1
+            order.append(task.name)
+            if told is not None:
+                told.write(1, handle.clock.now(), handle.clock.now())
+            return task.name != "idle"
+
+        return handle, step
+
+    def drive() -> None:
+        clock, images = MonotonicClock(), IMAGES.writer(attachment.store)
+        proposals = records.PROPOSED.writer(attachment.store)
+        changes = {"slow": Proposal(period_ms=20.0), "eyes": Proposal(enabled=False)}
+        for tasks in ({}, changes, {}):
+            proposals.write(ProposedSettings(tasks), clock.now(), clock.now())
+            for _ in range(10):
+                images.write(1, clock.now(), clock.now())
+                os.eventfd_write(wake, 1)
+                time.sleep(PHASE_S / 10)
+            for count in counts.values():
+                count.append(0)
+        attachment.stopping = True
+
+    executive = Executive(attachment, [counting(task) for task in TASKS])
+    threading.Thread(target=drive).start()
+    executive.run()
+    now = MonotonicClock().now()
+    told = {task.name: asdict(records.task(task.name).reader(attachment.store).value(now)) for task in TASKS}
+    print(json.dumps({"counts": counts, "heard": os.eventfd_read(heard), "told": told}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+"""The loop of a process: releases, proposals while it runs, and what it tells. Nothing is timed, only counted."""
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from tests.conftest import ROOT
+from vision_core.rtdb.infos import Proposal
+from vision_core.scheduling.executive import with_proposal
+from vision_core.scheduling.task import PERIOD, Task
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def ran() -> dict[str, Any]:
+    """An executive's life of a second and a half, in a process of its own."""
+    command = [sys.executable, "-m", "tests.scheduling.executive_process"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def test_a_record_releases_and_its_reader_is_told_every_time(ran: dict[str, Any]) -> None:
+    first, off, again, *_ = ran["counts"]["eyes"]
+    assert 1 <= first <= 10
+    assert off <= 1  # the proposal may cross the first image
+    assert 1 <= again <= 10
+    assert ran["heard"] == sum(ran["counts"]["eyes"])
+
+
+def test_a_period_follows_a_proposal_and_comes_back(ran: dict[str, Any]) -> None:
+    declared, faster, again, *_ = ran["counts"]["slow"]
+    assert faster > declared
+    assert faster > again
+    assert ran["told"]["slow"]["period_ms"] == 40.0
+
+
+def test_every_task_tells_how_it_stands(ran: dict[str, Any]) -> None:
+    eyes, slow = ran["told"]["eyes"], ran["told"]["slow"]
+    assert (eyes["trigger"], eyes["enabled"], eyes["process"]) == ("images", True, "p")
+    assert eyes["overruns"] == eyes["runs"] > 0  # nobody is done in a nanosecond
+    assert slow["overruns"] == 0
+    assert slow["interval_mean_ms"] > 0.0
+    assert slow["policy"] in ("FIFO 3", "ordinary") or slow["policy"].startswith("nice")
+    assert bool(slow["refused"]) == (not slow["policy"].startswith("FIFO"))
+
+
+def test_a_run_with_nothing_to_do_does_not_count(ran: dict[str, Any]) -> None:
+    assert sum(ran["counts"]["idle"]) > 0
+    assert ran["told"]["idle"]["runs"] == 0
+
+
+def test_a_proposal_changes_what_it_names() -> None:
+    task = Task("t", "m", PERIOD, (), (), "t", priority=3, period_s=0.1)
+    assert with_proposal(task, Proposal()) == task
+    changed = with_proposal(task, Proposal(enabled=False, period_ms=20.0, priority=0))
+    assert (changed.enabled, changed.period_s, changed.priority) == (False, 0.02, 0)

@@ -1,0 +1,149 @@
+"""Is a table of tasks sound? One writer per record, no missing input, no cycle, and rates that add up."""
+
+import math
+import os
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from vision_core.scheduling.task import DRIVER, HIGHEST_PRIORITY, NONE, PERIOD, Task
+
+MS_PER_S = 1e3
+SHORTEST_PERIOD_S = 0.001
+ROOM = 0.95
+"""Share of a core that real-time tasks may take together: the kernel stops them at that."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What is wrong with one line."""
+
+    key: str
+    """The setting that is to blame, "tasks.obstacles.period_ms"."""
+    found: str
+    accepted: str
+
+
+def problems(tasks: Sequence[Task], given: Sequence[str], camera_rate_hz: float) -> list[Problem]:
+    """Everything that is wrong with a table; given: records that are written by nobody on it."""
+    found: list[Problem] = []
+    for rule in (_writers(tasks, given), _inputs(tasks, given), _cycles(tasks), _rates(tasks, camera_rate_hz)):
+        found += rule
+    return found
+
+
+def warnings(tasks: Sequence[Task]) -> list[str]:
+    """What is allowed and worth a thought."""
+    found = []
+    periodic = [task for task in tasks if task.trigger == PERIOD and task.enabled]
+    for one, other in combinations(periodic, 2):
+        if (one.priority, one.offset_s) == (other.priority, other.offset_s) and one.process != other.process:
+            found.append(
+                f"{one.name} and {other.name} have equal priority ({one.priority}) and offset "
+                f"({one.offset_s * MS_PER_S:g} ms): they swap places and give each other jitter"
+            )
+    return found
+
+
+def load(tasks: Sequence[Task], camera_rate_hz: float) -> float:
+    """Cores that the budgets of all real-time tasks fill at their rates."""
+    return sum(
+        task.budget_s * task.rate_hz(camera_rate_hz)
+        for task in tasks
+        if task.enabled and task.priority and task.budget_s
+    )
+
+
+def _writers(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[Problem]:
+    writers = dict.fromkeys(given, "the supervisor")
+    for task in tasks:
+        for record in task.writes:
+            if record in writers:
+                yield Problem(
+                    f"tasks.{task.name}.writes", f"{record}, which {writers[record]} writes", "one writer for a record"
+                )
+            writers.setdefault(record, task.name)
+
+
+def _inputs(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[Problem]:
+    written = {*given, *(record for task in tasks for record in task.writes)}
+    known = f"a record that is written: {', '.join(sorted(written))}"
+    for task in tasks:
+        for record in task.reads:
+            if record not in written:
+                yield Problem(f"tasks.{task.name}.reads", f"{record}, which nobody writes", known)
+        if task.trigger not in (DRIVER, PERIOD, NONE) and task.trigger not in task.reads:
+            yield Problem(
+                f"tasks.{task.name}.trigger",
+                f"{task.trigger}, which it does not read",
+                f"{PERIOD}, or a record of its reads: {', '.join(task.reads) or 'it has none'}",
+            )
+
+
+def _cycles(tasks: Sequence[Task]) -> Iterator[Problem]:
+    by_record = {record: task for task in tasks for record in task.writes}
+    for task in tasks:
+        way, at = [task.name], by_record.get(task.trigger)
+        while at is not None and at.name not in way:
+            way.append(at.name)
+            at = by_record.get(at.trigger)
+        if at is not None and at.name == task.name:
+            yield Problem(
+                f"tasks.{task.name}.trigger",
+                f"a cycle: {' <- '.join([*way, task.name])}",
+                "a way from a camera or a period",
+            )
+
+
+def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[Problem]:
+    for task in tasks:
+        yield from _rate(task, camera_rate_hz)
+        if task.trigger in (DRIVER, NONE) and any(other.process == task.process for other in tasks if other != task):
+            found = f"{task.process}, with others in it"
+            yield Problem(f"tasks.{task.name}.process", found, "a process of its own: it waits for its device")
+    shared: dict[str, float] = defaultdict(float)
+    for task in tasks:
+        if task.enabled and task.trigger != NONE:
+            shared[task.process] += task.budget_s * task.rate_hz(camera_rate_hz)
+    for process, share in shared.items():
+        if share > 1.0:
+            named = next(task.name for task in tasks if task.process == process)
+            yield Problem(
+                f"tasks.{named}.budget_ms",
+                f"budgets that fill {share:.2f} cores in process {process}",
+                "one core at most",
+            )
+    cores, needed = len(os.sched_getaffinity(0)), load(tasks, camera_rate_hz)
+    if needed > ROOM * cores:
+        heaviest = max(tasks, key=lambda task: task.budget_s * task.rate_hz(camera_rate_hz) if task.priority else 0.0)
+        yield Problem(
+            f"tasks.{heaviest.name}.budget_ms",
+            f"budgets of real-time tasks that fill {needed:.2f} cores at a camera of {camera_rate_hz:g} Hz",
+            f"{ROOM * cores:.2f} of the {cores} there are: longer periods, smaller budgets, or priority 0",
+        )
+
+
+def _rate(task: Task, camera_rate_hz: float) -> Iterator[Problem]:
+    key = f"tasks.{task.name}"
+    period_s, limits = task.period_s, (task.period_s, task.offset_s, task.budget_s)
+    if not all(math.isfinite(value) and value >= 0.0 for value in limits):
+        yield Problem(f"{key}.period_ms", "a time that is no number or negative", "milliseconds, 0 or more")
+        return
+    if task.trigger == PERIOD and not period_s:
+        yield Problem(f"{key}.period_ms", "0", "a period: nothing else releases it")
+        return
+    if 0.0 < period_s < SHORTEST_PERIOD_S:
+        yield Problem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}: an impossible rate", "1 ms or more")
+        return
+    if task.trigger == DRIVER and period_s:
+        yield Problem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}", "0: its driver alone releases it")
+    if period_s and task.offset_s >= period_s:
+        found = f"{task.offset_s * MS_PER_S:g} at a period of {period_s * MS_PER_S:g} ms"
+        yield Problem(f"{key}.offset_ms", found, "less than the period")
+    between_s = 1.0 / task.rate_hz(camera_rate_hz)
+    if task.trigger != NONE and task.budget_s > between_s:
+        found = f"{task.budget_s * MS_PER_S:g} for what comes every {between_s * MS_PER_S:g} ms: an impossible rate"
+        yield Problem(f"{key}.budget_ms", found, "at most the time between two releases")
+    if not 0 <= task.priority <= HIGHEST_PRIORITY:
+        yield Problem(f"{key}.priority", f"{task.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")

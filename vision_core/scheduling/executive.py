@@ -1,0 +1,210 @@
+"""The loop of a process: runs its tasks when they are due, the highest priority first."""
+
+import gc
+import select
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
+from vision_core.rtdb import records
+from vision_core.rtdb.attachment import Attachment
+from vision_core.rtdb.infos import Proposal
+from vision_core.rtdb.slots import SlotWriter
+from vision_core.scheduling.gauge import Gauge
+from vision_core.scheduling.handle import BEAT_EVERY_S, Handle, Step
+from vision_core.scheduling.realtime import (
+    Standing,
+    ask_priority,
+    exact_timers,
+    freeze_garbage,
+    lock_memory,
+    stay_on,
+)
+from vision_core.scheduling.releases import Grid, Release, Trigger
+from vision_core.scheduling.task import DRIVER, PERIOD, Task
+
+COLLECT_EVERY_NS = 10 * NS_PER_S
+MS_PER_S = 1e3
+
+
+@dataclass(slots=True)
+class _Running:
+    """A task of this process."""
+
+    declared: Task
+    """As the table has it."""
+    task: Task
+    """As it runs now."""
+    handle: Handle
+    step: Step
+    gauge: Gauge
+    schedule: Grid | Trigger | None
+    """None: a driver's task, which is always due."""
+    heard: list[tuple[SlotWriter, int]]
+    """Its outputs that release others, and how often each was written when it last did."""
+    standing: str = ""
+    refused: str = ""
+
+
+class Executive:
+    """Runs the tasks of one process until the supervisor says stop."""
+
+    def __init__(self, attachment: Attachment, started: Sequence[tuple[Handle, Step]]) -> None:
+        """started: what each task's ``start`` made of its handle."""
+        self._attachment = attachment
+        self._clock = MonotonicClock()
+        self._proposed = records.PROPOSED.reader(attachment.store)
+        self._obeyed = 0
+        self._collected = self._clock.now()
+        self._tasks = [self._running(handle, step) for handle, step in started]
+        self._chores = [chore for handle, _ in started for chore in handle.chores]
+        self._listeners = {key: value for handle, _ in started for key, value in handle.listeners.items()}
+        self._priority: int | None = None
+        self._standing = Standing("", "")
+        self._kept = ""
+        """What was refused beside the priority."""
+
+    def run(self) -> None:
+        """Ask for real time, then serve releases."""
+        self._obey()
+        freeze_garbage()
+        exact_timers()
+        self._go_real_time()
+        while not self._attachment.stopping:
+            self._turn()
+
+    def _running(self, handle: Handle, step: Step) -> _Running:
+        task, store = handle.task, self._attachment.store
+        heard = [
+            (writer, writer.sequence)
+            for name, writer in handle.outputs.items()
+            if self._attachment.handed.notify.get(name)
+        ]
+        gauge = Gauge(store, task, self._attachment.handed.process)
+        return _Running(task, task, handle, step, gauge, self._schedule(task), heard)
+
+    def _schedule(self, task: Task) -> Grid | Trigger | None:
+        if task.trigger == DRIVER:
+            return None
+        origin = Instant(self._attachment.boot + round(task.offset_s * NS_PER_S))
+        if task.trigger == PERIOD:
+            return Grid(origin, task.period_s)
+        return Trigger(self._attachment.store.reader(task.trigger), origin, task.period_s)
+
+    def _turn(self) -> None:
+        """Run the first task that is due, or wait until one is."""
+        now = self._clock.now()
+        self._attachment.beat(now)
+        if self._proposed.sequence != self._obeyed:
+            self._obey()
+        for running in self._tasks:
+            if running.task.enabled and (release := self._take(running, now)) is not None:
+                self._run(running, release)
+                break
+        else:
+            self._wait(now)
+        for chore in self._chores:
+            chore()
+
+    def _take(self, running: _Running, now: Instant) -> Release | None:
+        return Release(now, now) if running.schedule is None else running.schedule.take(now)
+
+    def _run(self, running: _Running, release: Release) -> None:
+        if running.task.priority != self._priority:
+            self._ask(running.task.priority)
+        done_anything = running.step(release)
+        done = self._clock.now()
+        for place, (writer, told) in enumerate(running.heard):
+            if writer.sequence != told:
+                running.heard[place] = writer, writer.sequence
+                self._attachment.notify(writer.spec.name)
+        if done_anything is not False:
+            running.gauge.ran(release, done)
+        self._publish(running, self._clock.now())
+
+    def _wait(self, now: Instant) -> None:
+        """Tell how the tasks do, tidy up, and sleep until the next release or beat."""
+        for running in self._tasks:
+            self._publish(running, now)
+        if now - self._collected > COLLECT_EVERY_NS:
+            gc.collect()
+            self._collected = now
+            for running in self._tasks:
+                running.gauge.collections += 1
+        highest = max((running.task.priority for running in self._tasks), default=0)
+        if highest != self._priority:
+            self._ask(highest)
+        due = [
+            running.schedule.due(now)
+            for running in self._tasks
+            if running.task.enabled and isinstance(running.schedule, Grid)
+        ]
+        left_s = min((seconds_between(self._clock.now(), instant) for instant in due), default=BEAT_EVERY_S)
+        self._sleep(min(left_s, BEAT_EVERY_S))
+
+    def _sleep(self, timeout_s: float) -> None:
+        """Until a release, a beat, or something to hear, which is handled."""
+        wake = self._attachment.handed.wake
+        listening = [*self._listeners] if wake is None else [wake, *self._listeners]
+        ready, _, _ = select.select(listening, [], [], max(timeout_s, 0.0))
+        for descriptor in ready:
+            if descriptor == wake:
+                self._attachment.clear()
+            else:
+                self._listeners[descriptor]()
+
+    def _publish(self, running: _Running, now: Instant) -> None:
+        running.gauge.note = running.handle.note
+        refused = "; ".join(filter(None, (running.refused, self._kept)))
+        running.gauge.publish_if_due(now, running.task, running.standing, refused)
+
+    def _obey(self) -> None:
+        """Let every task run as the newest proposal wants it."""
+        self._obeyed = self._proposed.sequence
+        timed = self._proposed.read(self._clock.now())
+        for running in self._tasks:
+            proposal = timed.value.tasks.get(running.declared.name, Proposal()) if timed else Proposal()
+            wanted = with_proposal(running.declared, proposal)
+            if wanted == running.task:
+                continue
+            if wanted.period_s != running.task.period_s:
+                running.schedule = self._schedule(wanted)
+            if wanted.enabled != running.task.enabled:
+                running.gauge.pause()
+                if running.schedule is not None:
+                    running.schedule.forget()
+            running.task = wanted
+        self._tasks.sort(key=lambda running: -running.task.priority)
+        self._stand()
+
+    def _go_real_time(self) -> None:
+        tasks = [running.task for running in self._tasks]
+        refused = [stay_on(sorted({core for task in tasks for core in task.cores}))]
+        if any(task.priority for task in tasks):
+            refused.append(lock_memory().refused)
+        self._kept = "; ".join(filter(None, refused))
+        self._ask(max(task.priority for task in tasks))
+        self._stand()
+
+    def _ask(self, priority: int) -> None:
+        self._priority, self._standing = priority, ask_priority(priority)
+
+    def _stand(self) -> None:
+        """What each task may say of its policy: as its process's, at its own priority."""
+        fifo = self._standing.policy.startswith("FIFO")
+        for running in self._tasks:
+            priority = running.task.priority
+            running.standing = (
+                f"FIFO {priority}" if fifo and priority else self._standing.policy if priority else "ordinary"
+            )
+            running.refused = self._standing.refused if priority else ""
+
+
+def with_proposal(task: Task, proposal: Proposal) -> Task:
+    """A task as somebody wants it to run."""
+    return replace(
+        task,
+        enabled=task.enabled if proposal.enabled is None else proposal.enabled,
+        period_s=task.period_s if proposal.period_ms is None else proposal.period_ms / MS_PER_S,
+        priority=task.priority if proposal.priority is None else proposal.priority,
+    )

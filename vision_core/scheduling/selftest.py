@@ -1,0 +1,72 @@
+"""How well does this machine keep time? Wake-ups of one process on an absolute grid, as the executive has them.
+
+    python -m vision_core.scheduling.selftest        prints the result as JSON
+
+A class says it in a letter: A, p99 of the lateness under 0.2 ms: every camera can be served; B, under 2 ms: fine at
+30 frames a second; C: worse, frames will be late when the machine has other work.
+"""
+
+import json
+import sys
+import time
+from dataclasses import asdict
+
+from vision_core.clock import NS_PER_S
+from vision_core.rtdb.infos import SelfTest
+from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory
+
+DURATION_S = 2.0
+PERIOD_NS = NS_PER_S // 200
+PRIORITY = 50
+"""As capture's."""
+GRADES = (("A", 200e3), ("B", 2e6))
+"""Class, and the p99 that it must stay under [ns]."""
+NS_PER_US = 1e3
+WARM = 10
+
+
+def measure(duration_s: float = DURATION_S) -> SelfTest:
+    """Sleep and wake for a duration [s] in this process, which has real-time priority afterwards, if it may."""
+    freeze_garbage()
+    exact_timers()
+    memory, standing = lock_memory(), ask_priority(PRIORITY)
+    wakeups = max(round(duration_s * NS_PER_S / PERIOD_NS), 1)
+    late = [0] * (WARM + wakeups)
+    due = time.monotonic_ns()
+    for index in range(len(late)):
+        due += PERIOD_NS
+        time.sleep(max(due - time.monotonic_ns(), 0) / NS_PER_S)
+        late[index] = time.monotonic_ns() - due
+        due += max(late[index], 0) // PERIOD_NS * PERIOD_NS  # what was slept through is over
+    counted = sorted(late[WARM:])
+    p99 = counted[min(int(0.99 * len(counted)), len(counted) - 1)]
+    return SelfTest(
+        grade=next((grade for grade, limit in GRADES if p99 < limit), "C"),
+        policy=standing.policy,
+        refused=standing.refused,
+        memory_locked=memory.locked,
+        memory_refused=memory.refused,
+        wakeups=wakeups,
+        lateness_median_us=counted[len(counted) // 2] / NS_PER_US,
+        lateness_p99_us=p99 / NS_PER_US,
+        lateness_max_us=counted[-1] / NS_PER_US,
+    )
+
+
+def in_words(result: SelfTest) -> str:
+    """One line for a log."""
+    memory = "memory is locked" if result.memory_locked else result.memory_refused
+    policy = result.policy + (f" ({result.refused})" if result.refused else "")
+    return (
+        f"this machine keeps time in class {result.grade}: wake-ups are late by {result.lateness_median_us:.0f} us "
+        f"(median), {result.lateness_p99_us:.0f} us (p99), {result.lateness_max_us:.0f} us (most); {policy}; {memory}"
+    )
+
+
+def main() -> None:
+    """Measure in this process and print the result as JSON; a duration in seconds may be given."""
+    print(json.dumps(asdict(measure(float(sys.argv[1]) if len(sys.argv) > 1 else DURATION_S))))
+
+
+if __name__ == "__main__":
+    main()

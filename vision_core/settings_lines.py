@@ -1,0 +1,30 @@
+"""In which line of a TOML file a setting stands: the parser does not tell, and a person wants to know."""
+
+import re
+from collections.abc import Sequence
+
+_HEADER = re.compile(r"^\s*\[\[?\s*([^\]]+?)\s*\]\]?")
+_KEY = re.compile(r"^\s*((?:[\w-]+|\"[^\"]*\")(?:\s*\.\s*(?:[\w-]+|\"[^\"]*\"))*)\s*=")
+
+
+def line_of(text: str, keys: Sequence[str]) -> int | None:
+    """Number of the line, from 1, that sets a key, or the nearest of its parents; None when none of them is there.
+
+    text: a valid TOML file; keys: the path to a value. Of what stands within one value (a table in braces, a list)
+    the line where that value begins is told.
+    """
+    found, depth, table = None, 0, []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if header := _HEADER.match(line):
+            table = path = _split(header.group(1))
+        elif key := _KEY.match(line):
+            path = [*table, *_split(key.group(1))]
+        else:
+            continue
+        if len(path) > depth and list(keys[: len(path)]) == path:
+            found, depth = number, len(path)
+    return found
+
+
+def _split(dotted: str) -> list[str]:
+    return [part.strip().strip('"') for part in dotted.split(".")]

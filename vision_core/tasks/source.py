@@ -1,0 +1,78 @@
+"""Task: what a camera would see -> images. Plays the camera when there is none: simulates it, or reads files.
+
+This is not the service's work, so it has no real-time priority: it makes the image that capture ordered, in the slot of
+the ring that the order names, and says when it is done. A source that fails is opened again once a second.
+"""
+
+import numpy as np
+
+from vision_core.capture.source import Played, open_played
+from vision_core.clock import NS_PER_S, Instant
+from vision_core.errors import SourceError
+from vision_core.pace import OrderedKeeper
+from vision_core.rtdb import records
+from vision_core.rtdb.infos import Exposure
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.tasks.capture import REOPEN_EVERY_S, info_of
+
+
+def start(handle: Handle) -> Step:
+    """Open the file, or build the world."""
+    player = _Player(handle)
+    player.fill()
+    handle.every_turn(player.fill)  # an order that a predecessor left unfilled, a file that could not be read
+    return lambda _release: player.fill()
+
+
+class _Player:
+    """Fills orders."""
+
+    def __init__(self, handle: Handle) -> None:
+        camera = handle.settings.camera
+        self._handle = handle
+        self._shape = (camera.height_px, camera.width_px, 3)
+        self._frames = handle.slots(f"frames/{camera.name}")
+        self._orders = handle.reader(records.orders(camera.name))
+        self._exposures = handle.writer(records.exposures(camera.name))
+        self._about = handle.writer(records.source(camera.name))
+        self._source: Played | None = None
+        self._keeper = OrderedKeeper(camera.rate_hz)
+        self._opened = Instant(0)
+        self._filled = 0
+        """Orders, by the record's sequence."""
+        done = handle.reader(records.exposures(camera.name)).read(handle.clock.now())
+        order = self._orders.read(handle.clock.now())
+        if done and order and done.value.number == order.value.number:
+            self._filled = order.sequence  # by a predecessor; its image is published
+
+    def fill(self) -> bool:
+        """Fill the newest order, if that is not done; was there anything to do?"""
+        try:
+            source = self._source or self._open()
+            if source is None or self._orders.sequence == self._filled:
+                return False
+            order = self._orders.value(self._handle.clock.now())
+            self._keeper.order(order.instant)
+            source.grab(np.frombuffer(self._frames.payload(order.slot), dtype=np.uint8).reshape(self._shape))
+        except SourceError as error:
+            self._source, self._handle.note = None, str(error)
+            return False
+        self._filled, now = self._orders.sequence, self._handle.clock.now()
+        self._exposures.write(Exposure(order.number), now, now)
+        self._handle.notify(records.exposures(self._handle.settings.camera.name).spec.name)
+        self._handle.note = ""
+        return True
+
+    def _open(self) -> Played | None:
+        """Try once a second."""
+        now = self._handle.clock.now()
+        if now - self._opened < REOPEN_EVERY_S * NS_PER_S:
+            return None
+        self._opened = now
+        source = open_played(self._handle.settings, self._handle.clock, paced=False)
+        source.prepare()
+        source.keeper = self._keeper = OrderedKeeper(source.rate_hz)
+        self._about.write(info_of(source, self._handle.settings.source.uri), now, now)
+        self._handle.notify(records.source(self._handle.settings.camera.name).spec.name)
+        self._source = source
+        return source
