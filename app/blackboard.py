@@ -1,5 +1,6 @@
 """Everything the web part knows: the records of the real-time database, read together at one instant."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,9 +8,21 @@ import numpy as np
 
 from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
+from vision_core.histogram import Counts, decode
 from vision_core.rtdb import records
-from vision_core.rtdb.records import ItemReader, Processes, ServiceInfo, Serving, SourceInfo, TaskInfo, Timed
-from vision_core.rtdb.slots import READ_TRIES, Glance
+from vision_core.rtdb.infos import (
+    LAGS,
+    TIMINGS,
+    Processes,
+    Proposal,
+    SelfTest,
+    ServiceInfo,
+    Serving,
+    SourceInfo,
+    TaskInfo,
+)
+from vision_core.rtdb.items import ItemReader, Timed
+from vision_core.rtdb.slots import READ_TRIES, Glance, SlotReader
 from vision_core.rtdb.store import Store
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.tracks import World
@@ -52,12 +65,35 @@ class Readings:
     world: Timed[World] | None
     views: Timed[Views] | None
     serving: Timed[Serving] | None
+    self_test: SelfTest | None
+    task_names: tuple[str, ...]
+    """Every task of the table, in its order."""
     tasks: dict[str, Timed[TaskInfo]]
-    """By name of the process; one that has never written is not in it."""
+    """By name; a task that has never said anything is not in it."""
+    proposed: Mapping[str, Proposal]
+    """What somebody wants of a task, by name; only where something is wanted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Timings:
+    """All histograms at one instant: counts since the start of whoever counts."""
+
+    tasks: dict[str, Timed[Mapping[str, Counts]]]
+    """By name of the task, then by name of the histogram (TIMINGS)."""
+    lags: Timed[Mapping[str, Counts]] | None
+    """By name of the lag (LAGS)."""
 
 
 def _stamp_of(glance: Glance, now: Instant) -> FrameStamp:
     return FrameStamp(glance.sequence, glance.measured, seconds_between(glance.measured, now))
+
+
+def _counts(reader: SlotReader, names: Sequence[str], now: Instant) -> Timed[Mapping[str, Counts]] | None:
+    """Histograms as they were last written; None before the first time."""
+    told = reader.read(now)
+    if told is None:
+        return None
+    return Timed(decode(names, told.value), told.sequence, told.measured, told.written, told.age_s, told.valid)
 
 
 class Blackboard:
@@ -77,8 +113,12 @@ class Blackboard:
         self._world = records.WORLD.reader(store)
         self._views = records.VIEWS.reader(store)
         self._serving = records.SERVING.reader(store)
-        names = [name.removeprefix(TASK_PREFIX) for name in store.specs if name.startswith(TASK_PREFIX)]
-        self._tasks: dict[str, ItemReader[TaskInfo]] = {name: records.task(name).reader(store) for name in names}
+        self._self_test = records.SELF_TEST.reader(store)
+        self._proposed = records.PROPOSED.reader(store)
+        self.task_names = tuple(name.removeprefix(TASK_PREFIX) for name in store.specs if name.startswith(TASK_PREFIX))
+        self._tasks = {name: records.task(name).reader(store) for name in self.task_names}
+        self._timings = {name: store.reader(records.timing(name).name) for name in self.task_names}
+        self._lags = store.reader(records.LAG_HISTOGRAMS.name)
 
     def now(self) -> Instant:
         """The present instant."""
@@ -89,6 +129,7 @@ class Blackboard:
         now = self.now()
         glance = self._frames.glance()
         tasks = {name: reader.read(now) for name, reader in self._tasks.items()}
+        self_test, proposed = self._self_test.read(now), self._proposed.read(now)
         return Readings(
             now=now,
             service=self.service,
@@ -101,7 +142,19 @@ class Blackboard:
             world=self._world.read(now),
             views=self._views.read(now),
             serving=self._serving.read(now),
+            self_test=self_test.value if self_test else None,
+            task_names=self.task_names,
             tasks={name: timed for name, timed in tasks.items() if timed is not None},
+            proposed=proposed.value.tasks if proposed else {},
+        )
+
+    def timings(self) -> Timings:
+        """Every histogram, now. Apart from the rest, since they are large and change slowly."""
+        now = self.now()
+        tasks = {name: _counts(reader, TIMINGS, now) for name, reader in self._timings.items()}
+        return Timings(
+            tasks={name: timed for name, timed in tasks.items() if timed is not None},
+            lags=_counts(self._lags, LAGS, now),
         )
 
     def picture(self) -> Picture | None:

@@ -1,38 +1,46 @@
 """The web process tells that it lives, and how it does, as every task does."""
 
 import asyncio
-import os
-import statistics
-import time
 
 from app.live import Live
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.rtdb.records import TaskInfo
 from vision_core.rtdb.store import Store
+from vision_core.scheduling.gauge import Gauge
+from vision_core.scheduling.realtime import ORDINARY
+from vision_core.scheduling.task import NONE, Task
+from vision_core.settings import Settings
 
 NAME = "web"
-EVERY_S = 0.5
-MS_PER_S = 1e3
+EVERY_S = 0.2
+S_PER_MS = 1e-3
 
 
-async def beat(store: Store, live: Live) -> None:
-    """Write ``task/web`` twice a second, for ever: from the loop that serves pages, so that it stops when they do."""
-    writer = records.task(NAME).writer(store)
+def own_line(settings: Settings) -> Task:
+    """The web process's line of the task table, as far as it tells of it."""
+    line = settings.tasks[NAME]
+    return Task(
+        name=NAME,
+        module="app.web_process",
+        trigger=NONE,
+        reads=(),
+        writes=(records.PROPOSED.spec.name,),
+        process=NAME,
+        period_s=line.period_ms * S_PER_MS,
+        budget_s=line.budget_ms * S_PER_MS,
+    )
+
+
+async def beat(store: Store, task: Task, gauge: Gauge, live: Live) -> None:
+    """Write ``beat/web``, for ever, and about twice a second how it does.
+
+    From the loop that serves pages, so that it stops when they do; a run of this task is a turn that was made.
+    """
+    beats = store.writer(records.beat(NAME).name)
     clock = MonotonicClock()
-    sent, since_s = 0, time.monotonic()
     while True:
-        durations_s, live.work.durations_s = live.work.durations_s, []
-        now_s = time.monotonic()
-        info = TaskInfo(
-            pid=os.getpid(),
-            runs=live.work.sent,
-            missed=0,
-            rate_hz=(live.work.sent - sent) / max(now_s - since_s, EVERY_S),
-            response_median_ms=statistics.median(durations_s) * MS_PER_S if durations_s else 0.0,
-            response_max_ms=max(durations_s, default=0.0) * MS_PER_S,
-            note=f"{live.pages} page{'' if live.pages == 1 else 's'} open",
-        )
-        sent, since_s = live.work.sent, now_s
-        writer.write(info, clock.now(), clock.now())
+        now = clock.now()
+        beats.write(b"", now, now)
+        gauge.note = f"{live.pages} page{'' if live.pages == 1 else 's'} open"
+        gauge.publish_if_due(now, task, ORDINARY, "")
         await asyncio.sleep(EVERY_S)

@@ -1,100 +1,46 @@
-"""The live connection of the page: ``/live``, a WebSocket.
+"""The live connection of the page: ``/live``, a WebSocket. ``/live?topics=timing`` takes some topics only.
 
 The page says "next" (any message), the service answers with the newest **turn** that the page has not seen,
-as soon as there is one: a binary message with the picture if it is a new one, then a text message with
-everything else. So one turn at most is under way to a page, however slow it or its network is, and what
-it gets is the newest there is: newest wins, and no queue grows anywhere. A page that says nothing for
-PATIENCE_S is dropped.
+as soon as there is one: of each of its topics (picture, timing, state) the newest message, in this order, where there
+is a new one. A turn comes when the last of the page's topics has news, and ends with it. So one turn at most is under
+way to a page, however slow it or its network is, and what it gets is the newest there is: newest wins, and no queue
+grows anywhere. A page that says nothing for PATIENCE_S is dropped, and so is one for which there is no news so long.
 
-Turns are made at RATE_HZ while somebody watches, once for all pages; the JPEG is encoded in a thread.
-
-Picture message, little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the
-service], then a JPEG. State message: JSON, see ``State``.
+Messages are made at RATE_HZ at most while somebody takes them, once for all pages (``app.turns``).
 """
 
 import asyncio
-import struct
-import time
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
 
-import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from app.blackboard import Blackboard, Picture
-from app.field_report import Outlines, Points
-from app.reports import status_from
-from vision_core.clock import Instant, seconds_between
-from vision_core.opencv import encode_jpeg, shrink
-from vision_core.rtdb.records import Timed
-from vision_core.types.objects import Obstacles, Sightings
-from vision_core.types.tracks import World
-from vision_core.types.views import Views
+from app.blackboard import Blackboard
+from app.turns import PICTURE, STATE, TOPICS, Message, Turns
+from vision_core.clock import seconds_between
+from vision_core.scheduling.gauge import Gauge
+from vision_core.scheduling.releases import Grid
 
 RATE_HZ = 15.0
-LONGEST_SILENCE_S = 0.25
-"""A turn is made after that even when nothing was written, since ages and readiness change by themselves."""
 PATIENCE_S = 5.0
 MOST_PAGES = 20
-LARGEST_WIDTH_PX = 960
-JPEG_QUALITY = 75
 TRY_LATER = 1013
-TOO_SLOW = 1008
-PICTURE_HEADER = struct.Struct("<Id")
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """What the page shows beside the picture. Bytes travel as base64."""
-
-    now_s: float
-    """Since the start of the service."""
-    pages: int
-    status: dict[str, object]
-    """The same as /api/v1/status."""
-    sightings: Timed[Sightings] | None
-    outlines_px: list[Points]
-    """In the picture, in the order of the sightings' robots; the first point is where the heading points to."""
-    obstacles: Timed[Obstacles] | None
-    """As seen in one picture; looked for less often than robots."""
-    obstacle_outlines_px: list[Points]
-    """In the picture, in the order of ``obstacles``."""
-    world: Timed[World] | None
-    views: Timed[Views] | None
-
-
-@dataclass(frozen=True, slots=True)
-class Turn:
-    """What every page is sent."""
-
-    picture_number: int
-    picture: bytes
-    """Empty before the first."""
-    state: str
-
-
-@dataclass(slots=True)
-class Work:
-    """What was done since it was last asked for."""
-
-    sent: int
-    """Messages since the start."""
-    durations_s: list[float]
-    """Of making turns."""
+POLICY_VIOLATION = 1008
+USUAL = f"{PICTURE},{STATE}"
+"""Topics of who names none."""
 
 
 class Live:
-    """Makes turns and sends them to the pages that are open."""
+    """Has turns made and sends them to the pages that are open."""
 
-    def __init__(self, blackboard: Blackboard) -> None:
+    def __init__(self, blackboard: Blackboard, gauge: Gauge) -> None:
         self._blackboard = blackboard
-        self._outlines = Outlines(blackboard.service.settings)
-        self._pages: set[WebSocket] = set()
+        self._gauge = gauge
+        self._turns = Turns(blackboard)
+        self._pages: dict[WebSocket, tuple[str, ...]] = {}
+        """Its topics, by page."""
         self._watched = asyncio.Event()
-        self._turn: Turn | None = None
         self._next = asyncio.Event()
-        self._sequences: tuple[int, ...] = ()
-        self._made_s = 0.0
-        self.work = Work(0, [])
 
     @property
     def pages(self) -> int:
@@ -103,98 +49,82 @@ class Live:
 
     async def run(self) -> None:
         """Make turns for ever, on a grid in time, while somebody watches."""
-        loop = asyncio.get_running_loop()
+        grid = Grid(self._blackboard.service.boot, 1.0 / RATE_HZ)
         while True:
-            await self._watched.wait()
-            await self._make_turn()
-            await asyncio.sleep(1.0 / RATE_HZ - loop.time() % (1.0 / RATE_HZ))
+            if not self._watched.is_set():
+                self._gauge.pause()
+                grid.forget()
+                await self._watched.wait()
+            release = grid.take(self._blackboard.now())
+            if release is not None and await self._turns.make(self._taken(), self.pages):
+                reached, self._next = self._next, asyncio.Event()
+                reached.set()
+                self._gauge.ran(release, self._blackboard.now())
+            now = self._blackboard.now()
+            await asyncio.sleep(max(seconds_between(now, grid.due(now)), 0.0))
 
     async def watch(self, page: WebSocket) -> None:
         """Serve one page until it leaves."""
         await page.accept()
-        if len(self._pages) >= MOST_PAGES:
+        asked = page.query_params.get("topics", USUAL).split(",")
+        if not set(asked) <= set(TOPICS):
+            await page.close(POLICY_VIOLATION, f"topics; found: {','.join(asked)[:40]}; accepted: {','.join(TOPICS)}")
+            return
+        if self.pages >= MOST_PAGES:
             await page.close(TRY_LATER, f"{MOST_PAGES} pages are open already; close one of them")
             return
-        if not self._pages:
-            self._turn = None  # it is from when somebody last watched
-        self._pages.add(page)
+        self._turns.forget(set(TOPICS) - self._taken())
+        self._pages[page] = tuple(topic for topic in TOPICS if topic in asked)
         self._watched.set()
         try:
-            await self._send_turns(page)
+            await self._send_turns(page, self._pages[page])
         except WebSocketDisconnect:
             pass
-        except TimeoutError:
-            await page.close(TOO_SLOW, f"the page has not asked for anything for {PATIENCE_S:.0f} s")
+        except TimeoutError as stuck:
+            await page.close(POLICY_VIOLATION, str(stuck))
         finally:
-            self._pages.discard(page)
+            del self._pages[page]
             if not self._pages:
                 self._watched.clear()
 
-    async def _send_turns(self, page: WebSocket) -> None:
-        seen: Turn | None = None
-        shown = 0
+    def _taken(self) -> set[str]:
+        """Topics that somebody takes."""
+        return {topic for topics in self._pages.values() for topic in topics}
+
+    async def _send_turns(self, page: WebSocket, topics: tuple[str, ...]) -> None:
+        """Until the page leaves. Raises TimeoutError, with a reason for the page, when nothing moves any more."""
+        seen: dict[str, int] = {}
         while True:
-            async with asyncio.timeout(PATIENCE_S):
+            async with _patience("the page has not asked for anything"):
                 if (await page.receive())["type"] == "websocket.disconnect":
                     return
-            seen = await self._newer_than(seen)
-            async with asyncio.timeout(PATIENCE_S):
-                if seen.picture_number != shown:
-                    shown = seen.picture_number
-                    await page.send_bytes(seen.picture)
-                    self.work.sent += 1
-                await page.send_text(seen.state)
-                self.work.sent += 1
+            async with _patience(f"there was no {topics[-1]}"):
+                turn = await self._newer_than(seen, topics)
+            for topic, message in turn.items():
+                if seen.get(topic) != message.number:
+                    seen[topic] = message.number
+                    async with _patience("the page has not taken what it was sent"):
+                        await _send(page, message.content)
 
-    async def _newer_than(self, seen: Turn | None) -> Turn:
-        """The newest turn, as soon as it is another one than the page has seen."""
-        while self._turn is None or self._turn is seen:
+    async def _newer_than(self, seen: Mapping[str, int], topics: tuple[str, ...]) -> dict[str, Message]:
+        """The newest of some topics, as soon as the last of them is another one than was seen."""
+        while True:
+            newest, last = self._turns.newest, topics[-1]
+            if last in newest and newest[last].number != seen.get(last):
+                return {topic: newest[topic] for topic in topics if topic in newest}
             await self._next.wait()
-        return self._turn
-
-    async def _make_turn(self) -> None:
-        """Publish a turn if anything has changed."""
-        begun_s = time.monotonic()
-        before = self._turn
-        number = self._blackboard.picture_number
-        fresh = before is None or number != before.picture_number
-        silent_s = begun_s - self._made_s
-        if not fresh and self._blackboard.sequences == self._sequences and silent_s < LONGEST_SILENCE_S:
-            return
-        picture = await asyncio.to_thread(self._encoded_picture) if fresh and number else None
-        if picture is None:
-            picture = (before.picture_number, before.picture) if before else (0, b"")
-        self._sequences = self._blackboard.sequences
-        self._turn = Turn(*picture, self._encoded_state())
-        self._made_s = begun_s
-        self.work.durations_s.append(time.monotonic() - begun_s)
-        reached, self._next = self._next, asyncio.Event()
-        reached.set()
-
-    def _encoded_picture(self) -> tuple[int, bytes] | None:
-        picture = self._blackboard.picture()
-        if picture is None:
-            return None
-        return picture.number, picture_message(picture, self._blackboard.service.boot)
-
-    def _encoded_state(self) -> str:
-        readings = self._blackboard.read()
-        sightings, obstacles = readings.sightings, readings.obstacles
-        state = State(
-            now_s=seconds_between(readings.service.boot, readings.now),
-            pages=len(self._pages),
-            status=status_from(readings).model_dump(),
-            sightings=sightings,
-            outlines_px=self._outlines.of_robots(sightings.value.robots) if sightings else [],
-            obstacles=obstacles,
-            obstacle_outlines_px=self._outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
-            world=readings.world,
-            views=readings.views,
-        )
-        return msgspec.json.encode(state).decode()
 
 
-def picture_message(picture: Picture, boot: Instant) -> bytes:
-    """The binary message of a picture, small enough for a page."""
-    header = PICTURE_HEADER.pack(picture.number & 0xFFFFFFFF, seconds_between(boot, picture.grabbed))
-    return header + encode_jpeg(shrink(picture.pixels, LARGEST_WIDTH_PX), JPEG_QUALITY)
+async def _send(page: WebSocket, content: bytes | str) -> None:
+    """Raises WebSocketDisconnect when the page is gone."""
+    await (page.send_bytes(content) if isinstance(content, bytes) else page.send_text(content))
+
+
+@asynccontextmanager
+async def _patience(complaint: str) -> AsyncIterator[None]:
+    """Wait for PATIENCE_S at most. Raises TimeoutError with the complaint."""
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            yield
+    except TimeoutError:
+        raise TimeoutError(f"{complaint} for {PATIENCE_S:.0f} s") from None

@@ -5,7 +5,7 @@ import sys
 from importlib.util import find_spec
 from types import FrameType
 
-NEEDED = ("msgspec", "numba", "cv2", "fastapi", "uvicorn", "typer", "rich", "platformdirs")
+NEEDED = ("msgspec", "numba", "cv2", "fastapi", "uvicorn", "typer", "rich", "platformdirs", "prometheus_client")
 
 
 def main() -> None:

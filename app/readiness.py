@@ -5,11 +5,11 @@ the cause and what follows from it is not listed, so that a person reads one rea
 """
 
 from app.blackboard import Readings
-from vision_core.rtdb.records import ProcessInfo
+from vision_core.rtdb.infos import ProcessInfo
 
 COMPILER = "compile"
-EXPLAINERS = ("diagnose",)
-"""Processes that only explain what is seen: robots are served as well without them."""
+NEEDED = ("source", "capture", "perceive", "serve")
+"""Tasks without which no robot is served. All others watch, explain or stand by: see ``app.degradation``."""
 LEAST_PATIENCE_S = 0.25
 PATIENCE_PERIODS = 3.0
 """An image is old when this many have failed to come, and never before LEAST_PATIENCE_S."""
@@ -25,9 +25,22 @@ def reasons_not_ready(readings: Readings) -> tuple[str, ...]:
     for process in processes:
         if process.name == COMPILER and process.state != "done":
             return (_compiling(process),)
-    needed = (process for process in processes if process.name not in EXPLAINERS)
-    broken = tuple(_broken(process) for process in needed if process.state not in ("running", "done"))
-    return broken or _silence(readings)
+    needed = {process_of(task, readings) for task in NEEDED}
+    broken = [_broken(process) for process in processes if process.name in needed and process.state != "running"]
+    return tuple(broken) or _switched_off(readings) or _silence(readings)
+
+
+def process_of(task: str, readings: Readings) -> str:
+    """The process that runs a task."""
+    if task in readings.tasks:
+        return readings.tasks[task].value.process
+    return readings.service.settings.tasks[task].process or task
+
+
+def _switched_off(readings: Readings) -> tuple[str, ...]:
+    """Whoever it was, robots wait for it."""
+    off = (task for task in NEEDED if task in readings.tasks and not readings.tasks[task].value.enabled)
+    return tuple(f"task {task} is switched off" for task in off)
 
 
 def _compiling(process: ProcessInfo) -> str:
@@ -44,9 +57,9 @@ def _silence(readings: Readings) -> tuple[str, ...]:
     """The first link of the chain that delivers nothing, while every process runs."""
     patience_s = max(LEAST_PATIENCE_S, PATIENCE_PERIODS / _rate_hz(readings))
     if readings.frame is None:
-        return (f"no image yet{_note(readings, 'capture')}",)
+        return (f"no image yet{_note(readings, 'source', 'capture')}",)
     if readings.frame.age_s > patience_s:
-        return (f"the camera's image is {readings.frame.age_s:.1f} s old{_note(readings, 'capture')}",)
+        return (f"the camera's image is {readings.frame.age_s:.1f} s old{_note(readings, 'source', 'capture')}",)
     if readings.sightings is None:
         return (f"nothing was perceived yet{_note(readings, 'perceive')}",)
     if readings.sightings.age_s > patience_s + LEAST_PATIENCE_S:
@@ -64,7 +77,8 @@ def _rate_hz(readings: Readings) -> float:
     return readings.source.value.rate_hz if readings.source else readings.service.settings.camera.rate_hz
 
 
-def _note(readings: Readings, task: str) -> str:
-    """What the responsible process says about it."""
-    timed = readings.tasks.get(task)
-    return f" ({timed.value.note})" if timed is not None and timed.value.note else ""
+def _note(readings: Readings, *tasks: str) -> str:
+    """What the first of the responsible tasks that has something to say says about it."""
+    notes = (readings.tasks[task].value.note for task in tasks if task in readings.tasks)
+    note = next(filter(None, notes), "")
+    return f" ({note})" if note else ""

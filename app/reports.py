@@ -1,11 +1,15 @@
 """What ``/api/v1/status`` and the page tell about the service: models with a meaning in every field."""
 
+from collections.abc import Iterable
+from statistics import median
+
 from pydantic import BaseModel, ConfigDict
 
 from app.blackboard import Readings
+from app.degradation import degradations
 from app.readiness import reasons_not_ready
 from vision_core.clock import seconds_between
-from vision_core.rtdb.records import ClientInfo, ProcessInfo, Serving, SourceInfo
+from vision_core.rtdb.infos import ClientInfo, ProcessInfo, SelfTest, Serving, SourceInfo
 from vision_core.types.objects import Team
 
 
@@ -64,17 +68,51 @@ class Client(Report):
     rate_hz: float
     mean_rank: float
     """Mean place in the random order of a frame, 0 first .. 1 last; 0.5 is fair."""
+    network_ms: float | None
+    """Lag B, from the server to the client, as it last reported it; null: it reports nothing."""
+    client_ms: float | None
+    """Lag C, until its program has used a view, as it last reported it."""
 
 
 class Lag(Report):
-    """From the grab of an image to the last client's datagram, over the last frames that somebody got."""
+    """One part of the lag, of late."""
 
     median_ms: float
     max_ms: float
 
 
+class Lags(Report):
+    """The parts of the lag between what happens and what robots make of it; ``/api/v1/timing`` has their histograms."""
+
+    server: Lag | None
+    """A: from the grab of an image to the last client's datagram, of the last frames; null while nobody is served."""
+    network: Lag | None
+    """B: from the server to the client, of the clients that report it; null for none."""
+    client: Lag | None
+    """C: until a client's program has used it, of the clients that report it; null for none."""
+    shutter_delay_ms: float
+    """From the shutter to the grab, as configured: before all the others."""
+
+
+class Machine(Report):
+    """How well this machine keeps time: the self-test at the start."""
+
+    grade: str
+    """Of wake-ups, p99 of their lateness: A < 0.2 ms, B < 2 ms, C worse."""
+    policy: str
+    """That a real-time process gets here: "FIFO 50", "nice -10" or "ordinary"."""
+    refused: str
+    """Why it is not real time; empty when it is."""
+    memory_locked: bool
+    memory_refused: str
+    wakeups: int
+    lateness_median_us: float
+    lateness_p99_us: float
+    lateness_max_us: float
+
+
 class Process(Report):
-    """One process of the service."""
+    """One process of the service; what runs in it is told by ``/api/v1/tasks``."""
 
     name: str
     state: str
@@ -83,15 +121,6 @@ class Process(Report):
     restarts: int
     detail: str
     """The last reason for a restart, or the progress of the compiler."""
-    note: str
-    """What the process says about itself."""
-    rate_hz: float | None
-    """Runs a second; null while the process is silent."""
-    response_median_ms: float | None
-    """From a release to its result."""
-    response_max_ms: float | None
-    missed: int
-    """Releases that it skipped since its start."""
 
 
 class Status(Report):
@@ -101,6 +130,8 @@ class Status(Report):
     ready: bool
     reasons: list[str]
     """Why it is not ready, in words; empty when it is."""
+    degraded: list[str]
+    """What is worse than it should be although robots are served: what the system refused, what is switched off."""
     uptime_s: float
     """Since the start of the service: the clients' Time."""
     http: str
@@ -111,10 +142,11 @@ class Status(Report):
     """null before the camera's process has opened it."""
     cameras: list[Camera]
     clients: list[Client]
-    lag: Lag | None
-    """null while nobody is served."""
+    lags: Lags
     refused: list[str]
     """Requests of the last half minute that were refused, newest last."""
+    selftest: Machine | None
+    """null where none was made."""
     processes: list[Process]
 
 
@@ -128,15 +160,17 @@ def status_from(readings: Readings) -> Status:
         version=service.version,
         ready=not reasons,
         reasons=list(reasons),
+        degraded=list(degradations(readings)),
         uptime_s=seconds_between(service.boot, readings.now),
         http=service.http,
         udp=service.udp,
         source=_source(source) if source is not None else None,
         cameras=[_camera(readings)],
         clients=[_client(client, readings) for client in serving.clients] if serving else [],
-        lag=_lag(serving) if serving else None,
+        lags=_lags(serving, service.settings.camera.shutter_delay_ms),
         refused=list(serving.refused) if serving else [],
-        processes=[_process(process, readings) for process in _processes(readings)],
+        selftest=_machine(readings.self_test) if readings.self_test else None,
+        processes=[_process(process) for process in _processes(readings)],
     )
 
 
@@ -144,10 +178,25 @@ def _source(source: SourceInfo) -> Source:
     return Source(uri=source.uri, description=source.description, repeats=source.repeats)
 
 
-def _lag(serving: Serving) -> Lag | None:
-    if not any(client.rate_hz for client in serving.clients):
-        return None
-    return Lag(median_ms=serving.lag_median_ms, max_ms=serving.lag_max_ms)
+def _lags(serving: Serving | None, shutter_delay_ms: float) -> Lags:
+    clients = serving.clients if serving else ()
+    served = serving is not None and any(client.rate_hz for client in clients)
+    return Lags(
+        server=Lag(median_ms=serving.lag_median_ms, max_ms=serving.lag_max_ms) if serving and served else None,
+        network=_reported(client.network_ms for client in clients),
+        client=_reported(client.client_ms for client in clients),
+        shutter_delay_ms=shutter_delay_ms,
+    )
+
+
+def _reported(lags_ms: Iterable[float | None]) -> Lag | None:
+    """Over the clients that report it."""
+    told = [lag_ms for lag_ms in lags_ms if lag_ms is not None]
+    return Lag(median_ms=median(told), max_ms=max(told)) if told else None
+
+
+def _machine(test: SelfTest) -> Machine:
+    return Machine(**{key: getattr(test, key) for key in Machine.model_fields})
 
 
 def _camera(readings: Readings) -> Camera:
@@ -183,6 +232,8 @@ def _client(client: ClientInfo, readings: Readings) -> Client:
         dropped=client.dropped,
         rate_hz=client.rate_hz,
         mean_rank=client.mean_rank,
+        network_ms=client.network_ms,
+        client_ms=client.client_ms,
     )
 
 
@@ -190,18 +241,5 @@ def _processes(readings: Readings) -> tuple[ProcessInfo, ...]:
     return readings.processes.value.processes if readings.processes else ()
 
 
-def _process(process: ProcessInfo, readings: Readings) -> Process:
-    timed = readings.tasks.get(process.name)
-    told = timed.value if timed and timed.valid else None
-    return Process(
-        name=process.name,
-        state=process.state,
-        pid=process.pid,
-        restarts=process.restarts,
-        detail=process.detail,
-        note=told.note if told else "",
-        rate_hz=told.rate_hz if told else None,
-        response_median_ms=told.response_median_ms if told else None,
-        response_max_ms=told.response_max_ms if told else None,
-        missed=timed.value.missed if timed else 0,
-    )
+def _process(process: ProcessInfo) -> Process:
+    return Process(**{key: getattr(process, key) for key in Process.model_fields})

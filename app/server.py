@@ -5,7 +5,8 @@ keeps time, reads shared memory without locks, and no writer ever waits for it. 
 a thread and only while somebody looks.
 
 Files, outside-in: ``web_process`` (entry), this factory, ``routes`` (HTTP), ``live`` (WebSocket),
-``reports`` and ``readiness`` (what is told), ``blackboard`` (what is read).
+``turns``, ``reports``, ``task_report``, ``timing``, ``metrics``, ``readiness`` and ``degradation`` (what is told),
+``proposals`` (what is wanted of tasks), ``blackboard`` (what is read).
 """
 
 import asyncio
@@ -15,34 +16,43 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI, WebSocket
 
 from app.blackboard import Blackboard
-from app.heartbeat import beat
-from app.live import Live
+from app.guard import ChangesGuard
+from app.heartbeat import beat, own_line
+from app.live import POLICY_VIOLATION, Live
 from app.problems import install_problems
+from app.proposals import Proposals
 from app.routes.api import api_routes
 from app.routes.health import health_routes
 from app.routes.pages import page_routes, static_files
+from app.routes.tasks import task_routes
+from app.routes.timing import timing_routes
 from app.security import SecurityHeaders, is_same_origin
 from vision_core.rtdb.store import Store
+from vision_core.scheduling.gauge import Gauge
 
 DESCRIPTION = """What every robot on the field would see, from one ceiling camera.
 
-Robots talk UDP; this API is for people and tools, and it only reads. The live connection of the page is the
-WebSocket `/live`: send any message, and the newest picture (binary) and state (JSON) come back."""
-POLICY_VIOLATION = 1008
+Robots talk UDP; this API is for people and tools. All that it changes is how tasks run.
+
+The live connection of the page is the WebSocket `/live`: send any message, and the newest picture (binary) and state
+(JSON) come back; of the topics picture, timing and state `/live?topics=timing` takes those that it names."""
 
 
 def create_app(store: Store) -> FastAPI:
     """The application on a database. Raises LookupError before the supervisor's first record."""
     blackboard = Blackboard(store)
-    live = Live(blackboard)
+    settings = blackboard.service.settings
+    task = own_line(settings)
+    gauge = Gauge(store, task, task.process)
+    live = Live(blackboard, gauge)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        async with asyncio.TaskGroup() as tasks:  # a bug in one ends both, and the supervisor misses the heartbeat
-            background = (tasks.create_task(beat(store, live)), tasks.create_task(live.run()))
+        async with asyncio.TaskGroup() as group:  # a bug in one ends both, and the supervisor misses the heartbeat
+            background = (group.create_task(beat(store, task, gauge, live)), group.create_task(live.run()))
             yield
-            for task in background:
-                task.cancel()
+            for each in background:
+                each.cancel()
 
     app = FastAPI(
         title="PSLV",
@@ -52,10 +62,13 @@ def create_app(store: Store) -> FastAPI:
         docs_url=None,  # ours needs no internet
         redoc_url=None,
     )
+    app.add_middleware(ChangesGuard)
     app.add_middleware(SecurityHeaders)
     install_problems(app)
     app.include_router(health_routes(blackboard))
     app.include_router(api_routes(blackboard))
+    app.include_router(task_routes(blackboard, Proposals(store, settings)))
+    app.include_router(timing_routes(blackboard, live))
     app.include_router(page_routes())
     app.mount("/web", static_files())
 

@@ -1,4 +1,4 @@
-"""Process: the page and the API. Reads the database, writes nothing but its heartbeat.
+"""Process: the page and the API. Reads the database, writes how it does itself and what people want changed.
 
 It may die at any time: robots are served on, and the supervisor starts it again on the same socket.
 """

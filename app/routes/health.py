@@ -3,6 +3,7 @@
 from fastapi import APIRouter, Response, status
 
 from app.blackboard import Blackboard
+from app.degradation import degradations
 from app.readiness import reasons_not_ready
 from app.reports import Report
 
@@ -19,6 +20,8 @@ class Readiness(Report):
     ready: bool
     reasons: list[str]
     """Why not, in words."""
+    degraded: list[str]
+    """What is worse than it should be although robots are served, in words."""
 
 
 def health_routes(blackboard: Blackboard) -> APIRouter:
@@ -33,9 +36,10 @@ def health_routes(blackboard: Blackboard) -> APIRouter:
     @router.get("/readyz", responses={503: {"model": Readiness, "description": "Not ready, and why"}})
     async def readyz(response: Response) -> Readiness:
         """Are robots served right now? 200, or 503 with the reasons."""
-        reasons = reasons_not_ready(blackboard.read())
+        readings = blackboard.read()
+        reasons = reasons_not_ready(readings)
         if reasons:
             response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
-        return Readiness(ready=not reasons, reasons=list(reasons))
+        return Readiness(ready=not reasons, reasons=list(reasons), degraded=list(degradations(readings)))
 
     return router

@@ -5,7 +5,6 @@
 
 import argparse
 import math
-import os
 import socket
 import threading
 import time
@@ -17,17 +16,11 @@ import uvicorn
 
 from app.server import create_app
 from tests.app.fake_picture import FakePicture, Pose
+from tests.app.fake_tasks import SPARES, Condition, lags_of, process_infos, self_test, task_info, timing_of
 from vision_core.clock import Instant, MonotonicClock, after
 from vision_core.rtdb import records
-from vision_core.rtdb.records import (
-    ClientInfo,
-    Processes,
-    ProcessInfo,
-    ServiceInfo,
-    Serving,
-    SourceInfo,
-    TaskInfo,
-)
+from vision_core.rtdb.infos import ClientInfo, Processes, Proposal, ServiceInfo, Serving, SourceInfo
+from vision_core.rtdb.items import Item, T
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
@@ -47,10 +40,8 @@ from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
 
 CAMERA = "main"
-TASKS = task_table(CAMERA)
 OBSTACLES = ((0.05, 0.95, 0.11), (-0.1, -0.45, 0.06))
 """Shares of half the field's length and width, radius [m]."""
-RATES_HZ = {"capture": 30.0, "perceive": 30.0, "obstacles": 10.0, "diagnose": 1.0, "serve": 30.0}
 
 
 @dataclass
@@ -67,6 +58,7 @@ class Scene:
     """Images come; without them everything after the camera is silent too."""
     states: dict[str, tuple[str, str]] = field(default_factory=dict)
     """State and detail of processes that do not run."""
+    condition: Condition = field(default_factory=Condition)
     reasons: tuple[str, ...] = ()
     obstacles: bool = True
     moving: bool = True
@@ -80,10 +72,13 @@ class FakeService:
         self.scene = scene or Scene()
         self.settings = settings or load_settings()
         self.clock = MonotonicClock()
-        self.specs = record_specs(self.settings, TASKS)
+        self.tasks = task_table(self.settings)
+        processes = dict.fromkeys(task.process for task in self.tasks)
+        self.specs = record_specs(self.settings, self.tasks, (*processes, "compile", *SPARES))
         self.block = create_block(self.specs)
         self.store = Store(self.specs, self.block)
         self.boot = self.clock.now()
+        self._proposed = self.store.reader(records.PROPOSED.spec.name)
         self._writers = {spec.name: self.store.writer(spec.name) for spec in self.specs}
         self._camera = camera_model_from(self.settings)
         self._picture = FakePicture(self.settings, self._things())
@@ -96,22 +91,30 @@ class FakeService:
             records.SERVICE,
             ServiceInfo("0.1.0", self.boot, "http://127.0.0.1:8000", "127.0.0.1:6000, sessions 6001", self.settings),
         )
+        self.put(records.SELF_TEST, self_test(self.scene.condition))
 
-    def put(self, item: records.Item[records.T], value: records.T, measured: Instant | None = None) -> None:
+    def put(self, item: Item[T], value: T, measured: Instant | None = None) -> None:
         """Write a record."""
         now = self.clock.now()
         self._writers[item.spec.name].write(item.encode(value), now if measured is None else measured, now)
 
+    def _put_bytes(self, record: str, value: bytes) -> None:
+        now = self.clock.now()
+        self._writers[record].write(value, now, now)
+
     def write_processes(self) -> None:
         """What the supervisor writes."""
-        infos = []
-        for index, name in enumerate(task.name for task in TASKS):
-            state, detail = self.scene.states.get(name, ("done" if name == "compile" else "running", ""))
-            infos.append(ProcessInfo(name, 4000 + index if state == "running" else None, state, 0, detail))
-        self.put(records.PROCESSES, Processes(tuple(infos)))
-        for name, rate_hz in RATES_HZ.items():
-            if name not in self.scene.states:
-                self.put(records.task(name), TaskInfo(os.getpid(), self._frames, 2, rate_hz, 4.1, 7.9, ""))
+        self.put(records.PROCESSES, Processes(process_infos(self.tasks, self.scene.states)))
+
+    def write_tasks(self) -> None:
+        """What every task says of itself; the page speaks for itself."""
+        proposed = records.PROPOSED.over_reader(self._proposed).read(self.clock.now())
+        wishes = proposed.value.tasks if proposed else {}
+        for task in self.tasks:
+            if {task.name, task.process}.isdisjoint({"web", *self.scene.states, *self.scene.condition.silent}):
+                wish = wishes.get(task.name, Proposal())
+                self.put(records.task(task.name), task_info(task, wish, self._frames, self.scene.condition))
+                self._put_bytes(records.timing(task.name).name, timing_of(task))
 
     def write_frame(self) -> None:
         """What the tasks write for one image."""
@@ -132,6 +135,7 @@ class FakeService:
         self._messages.write(WorldTable.of(world), ())
         self.put(records.VIEWS, self._messages.views.record(), grabbed)
         self.put(records.SERVING, self._serving())
+        self._put_bytes(records.LAG_HISTOGRAMS.name, lags_of(self.scene.condition))
 
     def start(self) -> None:
         """Write thirty times a second, until ``stop``."""
@@ -148,6 +152,8 @@ class FakeService:
     def _run(self) -> None:
         while not self._stop.wait(1.0 / 30.0):
             self.write_processes()
+            if self._frames % 10 == 0 or not self.scene.image:
+                self.write_tasks()
             if self.scene.image:
                 self.write_frame()
 
@@ -216,6 +222,8 @@ class FakeService:
                 dropped=3 if index == 2 else 0,
                 rate_hz=30.0,
                 mean_rank=0.48 + 0.004 * index,
+                network_ms=0.1 + 0.01 * index if self.scene.condition.reporting and index != 1 else None,
+                client_ms=2.0 if self.scene.condition.reporting and index != 1 else None,
             )
             for index in range(self.scene.clients)
         )
@@ -260,13 +268,17 @@ STATES: dict[str, Scene] = {
         states={
             "compile": ("running", "3 of 7: label pixels"),
             "capture": ("waiting", ""),
-            **dict.fromkeys(("perceive", "obstacles", "diagnose", "serve"), ("waiting", "")),
+            **dict.fromkeys(("source", "perceive", "obstacles", "watch", "diagnose", "serve"), ("waiting", "")),
         },
     ),
     "blind": Scene(image=False),
     "crashing": Scene(states={"perceive": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")}),
     "unread": Scene(unread=True, missing=1),
     "empty": Scene(robots=False, reasons=("no blob is large enough to be a dot of a marker",), repeats=True),
+    "degraded": Scene(
+        condition=Condition(rights=False, p99_us=3200.0, reporting=False),
+        states={"watch": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")},
+    ),
     "explained": Scene(
         missing=4,
         reasons=(

@@ -3,6 +3,7 @@
 import base64
 import json
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
-from app import live
+from app import live, turns
 from tests.app.fake_service import FakeService, PageServer, wait_for
 from vision_core.rtdb import records
 
@@ -33,9 +34,9 @@ def server(service: FakeService) -> Iterator[PageServer]:
     server.stop()
 
 
-def page(server: PageServer, origin: str | None = None) -> Connection:
+def page(server: PageServer, origin: str | None = None, query: str = "") -> Connection:
     headers = {} if origin is None else {"Origin": origin}
-    return connect(f"ws://{server.address}/live", additional_headers=headers, proxy=None)
+    return connect(f"ws://{server.address}/live{query}", additional_headers=headers, proxy=None)
 
 
 def turn(connection: Connection) -> tuple[bytes | None, dict[str, Any]]:
@@ -51,10 +52,10 @@ def test_a_turn_is_a_picture_and_a_state(server: PageServer, service: FakeServic
     with page(server) as connection:
         picture, state = turn(connection)
     assert picture is not None
-    number, grabbed_s = live.PICTURE_HEADER.unpack_from(picture)
+    number, grabbed_s = turns.PICTURE_HEADER.unpack_from(picture)
     assert number > 0
     assert 0.0 < grabbed_s <= state["now_s"]
-    assert picture[live.PICTURE_HEADER.size :].startswith(b"\xff\xd8")
+    assert picture[turns.PICTURE_HEADER.size :].startswith(b"\xff\xd8")
     assert state["status"]["ready"] is True
     assert state["pages"] == 1
     assert len(state["outlines_px"]) == len(state["sightings"]["value"]["robots"]) == 10
@@ -69,13 +70,13 @@ def test_nothing_comes_unasked_and_then_the_newest(server: PageServer, service: 
     with page(server) as connection:
         first, _ = turn(connection)
         assert first is not None
-        shown = live.PICTURE_HEADER.unpack_from(first)[0]
+        shown = turns.PICTURE_HEADER.unpack_from(first)[0]
         wait_for(lambda: service.store.reader("frames/main").sequence > shown + 10)
         with pytest.raises(TimeoutError):
             connection.recv(timeout=0.05)
         later, _ = turn(connection)
     assert later is not None
-    assert live.PICTURE_HEADER.unpack_from(later)[0] > shown + 5
+    assert turns.PICTURE_HEADER.unpack_from(later)[0] > shown + 5
 
 
 def test_turns_stop_when_nobody_watches(server: PageServer, service: FakeService) -> None:
@@ -97,7 +98,7 @@ def test_a_page_that_does_not_ask_is_dropped(server: PageServer, monkeypatch: py
         with pytest.raises(ConnectionClosed) as closed:
             connection.recv(timeout=10)
         assert closed.value.rcvd is not None
-        assert closed.value.rcvd.code == live.TOO_SLOW
+        assert closed.value.rcvd.code == live.POLICY_VIOLATION
 
 
 def test_one_page_too_many_is_refused_with_a_reason(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -138,3 +139,55 @@ def test_any_message_asks_for_a_turn(server: PageServer) -> None:
     with page(server) as connection:
         connection.send(b"next")
         assert connection.recv(timeout=10)
+
+
+def test_topics_come_in_their_order_and_end_with_the_last(server: PageServer) -> None:
+    with page(server, query="?topics=state,timing,picture") as connection:
+        connection.send("next")
+        picture, timing, state = (connection.recv(timeout=10) for _ in range(3))
+        with pytest.raises(TimeoutError):
+            connection.recv(timeout=0.1)
+    assert isinstance(picture, bytes)
+    assert [json.loads(message)["topic"] for message in (timing, state)] == ["timing", "state"]
+
+
+def test_timing_alone_comes_twice_a_second_at_most(server: PageServer, service: FakeService) -> None:
+    with page(server, query="?topics=timing") as connection:
+        turns_told = [turn(connection) for _ in range(3)]
+    assert all(picture is None for picture, _ in turns_told)
+    instants_s = [told["now_s"] for _, told in turns_told]
+    assert all(later - now >= turns.TIMING_EVERY_S for now, later in pairwise(instants_s))
+    tasks = {task["name"]: task for task in turns_told[-1][1]["tasks"]}
+    assert set(tasks) == {task.name for task in service.tasks}
+    timing = turns_told[-1][1]["timing"]
+    assert {task["name"] for task in timing["tasks"]} == set(tasks), "the page's own times too"
+    assert timing["lags"]["server"]["count"] > 0
+
+
+def test_unknown_topics_are_refused_with_those_there_are(server: PageServer) -> None:
+    with page(server, query="?topics=state,weather") as connection, pytest.raises(ConnectionClosed) as closed:
+        connection.recv(timeout=10)
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.reason == "topics; found: state,weather; accepted: picture,timing,state"
+
+
+def test_what_nobody_takes_is_not_made(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turns, "picture_message", lambda *_: pytest.fail("nobody takes pictures"))
+    with page(server, query="?topics=state") as connection:
+        for _ in range(3):
+            picture, state = turn(connection)
+            assert picture is None
+            assert state["topic"] == "state"
+
+
+def test_who_waits_for_what_does_not_come_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "PATIENCE_S", 0.3)
+    server = PageServer(FakeService())
+    server.start()
+    with page(server, query="?topics=picture") as connection:
+        connection.send("next")
+        with pytest.raises(ConnectionClosed) as closed:
+            connection.recv(timeout=10)
+    server.stop()
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.reason.startswith("there was no picture for")

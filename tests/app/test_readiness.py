@@ -6,45 +6,15 @@ import pytest
 
 from app.blackboard import FrameStamp, Readings
 from app.readiness import reasons_not_ready
-from vision_core.clock import Instant
-from vision_core.rtdb.records import Processes, ProcessInfo, ServiceInfo, Serving, T, TaskInfo, Timed
+from tests.app.fake_readings import NOW, SEEN, processes, readings, timed, told
+from vision_core.rtdb.infos import Processes, Serving
 from vision_core.settings_files import load_settings
-from vision_core.types.objects import Sightings
-
-NOW = Instant(100_000_000_000)
-SEEN = Sightings("main", 7, NOW, NOW, (), (), complete=True)
-RUNNING = ("capture", "perceive", "obstacles", "diagnose", "serve", "web")
-
-
-def timed(value: T, age_s: float = 0.01, *, valid: bool = True) -> Timed[T]:
-    """A reading of some age."""
-    return Timed(value, 1, NOW, NOW, age_s, valid)
-
-
-def processes(**states: tuple[str, str]) -> Timed[Processes]:
-    """All processes well but for the named ones."""
-    table = {"compile": ("done", ""), **dict.fromkeys(RUNNING, ("running", "")), **states}
-    return timed(Processes(tuple(ProcessInfo(name, 1, state, 0, detail) for name, (state, detail) in table.items())))
 
 
 @pytest.fixture(scope="module")
 def well() -> Readings:
     """A service that serves."""
-    service = ServiceInfo("1", Instant(0), "http://h:1", "h:2", load_settings())
-    return Readings(
-        now=NOW,
-        service=service,
-        processes=processes(),
-        frame=FrameStamp(7, NOW, 0.02),
-        source=None,
-        sightings=timed(SEEN),
-        obstacles=None,
-        diagnosis=None,
-        world=None,
-        views=None,
-        serving=timed(Serving((), 0.0, 0.0, ())),
-        tasks={},
-    )
+    return readings()
 
 
 def test_a_service_that_serves_is_ready(well: Readings) -> None:
@@ -79,10 +49,28 @@ def test_every_broken_process_is_named(well: Readings) -> None:
 
 
 @pytest.mark.parametrize("state", ["starting", "restarting", "disabled"])
-def test_who_only_explains_is_not_waited_for(well: Readings, state: str) -> None:
-    assert reasons_not_ready(replace(well, processes=processes(diagnose=(state, "ended with exit status 1")))) == ()
-    without_obstacles = replace(well, processes=processes(obstacles=(state, "")))
-    assert reasons_not_ready(without_obstacles) == (f"process obstacles is {state}",)
+@pytest.mark.parametrize("name", ["diagnose", "watch", "obstacles", "spare-1"])
+def test_who_only_watches_or_stands_by_is_not_waited_for(well: Readings, name: str, state: str) -> None:
+    assert reasons_not_ready(replace(well, processes=processes(**{name: (state, "ended")}))) == ()
+
+
+def test_the_source_of_a_simulated_camera_is_waited_for(well: Readings) -> None:
+    starting = replace(well, processes=processes(source=("starting", "")))
+    assert reasons_not_ready(starting) == ("process source is starting",)
+
+
+def test_a_needed_task_may_share_a_process(well: Readings) -> None:
+    shared = {"perceive": told("perceive", process="watch")}
+    broken = replace(well, tasks=shared, processes=processes(watch=("disabled", "")))
+    assert reasons_not_ready(broken) == ("process watch is disabled",)
+
+
+@pytest.mark.parametrize("task", ["source", "capture", "perceive", "serve"])
+def test_a_needed_task_that_is_switched_off(well: Readings, task: str) -> None:
+    off = replace(well, tasks={task: told(task, enabled=False)}, frame=None, sightings=None)
+    assert reasons_not_ready(off) == (f"task {task} is switched off",)
+    watcher = replace(well, tasks={"lines": told("lines", enabled=False)})
+    assert reasons_not_ready(watcher) == ()
 
 
 def test_no_image_hides_what_follows_from_it(well: Readings) -> None:
@@ -91,9 +79,12 @@ def test_no_image_hides_what_follows_from_it(well: Readings) -> None:
 
 
 def test_the_note_of_the_responsible_task_is_told(well: Readings) -> None:
-    note = TaskInfo(1, 0, 0, 0.0, 0.0, 0.0, "camera 0; found: no such device")
-    readings = replace(well, frame=None, tasks={"capture": timed(note)})
-    assert reasons_not_ready(readings) == ("no image yet (camera 0; found: no such device)",)
+    note = "camera 0; found: no such device"
+    silent = replace(well, frame=None, tasks={"capture": told("capture", note=note), "source": told("source")})
+    assert reasons_not_ready(silent) == (f"no image yet ({note})",)
+    cause = told("source", note="file a.png; found: nothing")
+    both = replace(silent, tasks=silent.tasks | {"source": cause})
+    assert reasons_not_ready(both) == ("no image yet (file a.png; found: nothing)",), "the source comes first"
 
 
 def test_an_old_image_tells_its_age(well: Readings) -> None:

@@ -9,10 +9,22 @@ import pytest
 from app.blackboard import Blackboard
 from app.problems import MEDIA_TYPE
 from app.reports import status_from
-from tests.app.fake_service import STATES, FakeService, PageServer, wait_for
+from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
+from tests.app.fake_tasks import Condition
 from vision_core.clock import after
 from vision_core.rtdb import records
 from vision_core.types.objects import Diagnosis
+
+READ = (
+    "/healthz",
+    "/readyz",
+    "/metrics",
+    "/api/v1/status",
+    "/api/v1/field",
+    "/api/v1/snapshot.jpg",
+    "/api/v1/tasks",
+    "/api/v1/timing",
+)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +51,7 @@ def test_healthz(http: httpx.Client) -> None:
 
 
 def test_ready(http: httpx.Client) -> None:
-    assert http.get("/readyz").json() == {"ready": True, "reasons": []}
+    assert http.get("/readyz").json() == {"ready": True, "reasons": [], "degraded": []}
 
 
 def test_not_ready_while_compiling() -> None:
@@ -53,7 +65,7 @@ def test_not_ready_while_compiling() -> None:
         snapshot = client.get("/api/v1/snapshot.jpg")
     server.stop()
     assert response.status_code == 503
-    assert response.json() == {"ready": False, "reasons": ["compiling: 3 of 7: label pixels"]}
+    assert response.json() == {"ready": False, "reasons": ["compiling: 3 of 7: label pixels"], "degraded": []}
     assert status["ready"] is False
     assert status["source"] is None
     assert status["cameras"][0]["age_s"] is None
@@ -74,17 +86,41 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
     assert 0.0 <= camera["age_s"] < 5.0
     assert len(status["clients"]) == 10
     assert status["clients"][2]["dropped"] == 3
-    assert status["lag"] == {"median_ms": 12.4, "max_ms": 19.8}
-    states = {process["name"]: process["state"] for process in status["processes"]}
-    assert states == {
-        "compile": "done",
-        "capture": "running",
-        "perceive": "running",
-        "obstacles": "running",
-        "diagnose": "running",
-        "serve": "running",
-        "web": "running",
+    assert (status["clients"][0]["network_ms"], status["clients"][1]["network_ms"]) == (0.1, None)
+    assert status["lags"] == {
+        "server": {"median_ms": 12.4, "max_ms": 19.8},
+        "network": {"median_ms": pytest.approx(0.15), "max_ms": pytest.approx(0.19)},
+        "client": {"median_ms": 2.0, "max_ms": 2.0},
+        "shutter_delay_ms": 0.0,
     }
+    assert (status["selftest"]["grade"], status["selftest"]["policy"]) == ("A", "FIFO 50")
+    states = {process["name"]: process["state"] for process in status["processes"]}
+    running = ("capture", "source", "perceive", "serve", "obstacles", "watch", "diagnose", "web", "spare-1", "spare-2")
+    assert states == {"compile": "done", **dict.fromkeys(running, "running")}
+
+
+def test_lags_that_nobody_reports_are_null() -> None:
+    own = FakeService(Scene(condition=Condition(reporting=False)))
+    own.write_frame()
+    lags = status_from(Blackboard(own.store).read()).lags
+    assert lags.server is not None
+    assert lags.network is lags.client is None
+
+
+def test_a_degraded_service_is_ready_and_says_so() -> None:
+    own = FakeService(STATES["degraded"])
+    own.write_processes()
+    own.write_tasks()
+    own.write_frame()
+    own.write_frame()  # the first one takes its time
+    status = status_from(Blackboard(own.store).read())
+    assert status.ready
+    assert [sentence.partition(":")[0] for sentence in status.degraded] == [
+        "capture, perceive, serve, obstacles",
+        "capture, perceive, serve, obstacles",
+        "this machine keeps time badly",
+        "process watch is disabled, and with it boundary, lines, exposure, colors",
+    ]
 
 
 def test_reasons_are_told_for_five_seconds() -> None:
@@ -144,9 +180,12 @@ def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
 
 def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
     api = http.get("/openapi.json").json()
-    assert set(api["paths"]) == {"/healthz", "/readyz", "/api/v1/status", "/api/v1/field", "/api/v1/snapshot.jpg"}
+    assert {path: set(methods) for path, methods in api["paths"].items()} == {
+        **{path: {"get"} for path in READ},
+        "/api/v1/tasks/{name}": {"patch", "delete"},
+    }
     for path, methods in api["paths"].items():
-        assert methods["get"]["description"], path
+        assert all(operation["description"] for operation in methods.values()), path
     camera = api["components"]["schemas"]["Camera"]["properties"]
     assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected;")
 
@@ -160,9 +199,10 @@ def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
 
 
 def test_heartbeat(http: httpx.Client, service: FakeService) -> None:
-    reader = records.task("web").reader(service.store)
-    first = reader.sequence
-    wait_for(lambda: reader.sequence >= first + 2)
+    beats, reader = service.store.reader("beat/web"), records.task("web").reader(service.store)
+    first, told = beats.sequence, reader.sequence
+    wait_for(lambda: reader.sequence >= told + 2)
+    assert beats.sequence >= first + 2 * (reader.sequence - told), "it beats more often than it tells"
     info = reader.value(service.clock.now())
     assert info.note == "0 pages open"
-    assert info.missed == 0
+    assert (info.process, info.trigger, info.policy, info.refused, info.missed) == ("web", "none", "ordinary", "", 0)

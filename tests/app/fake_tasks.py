@@ -1,0 +1,111 @@
+"""What the tasks and processes of a fake service say of themselves: it obeys proposals as the real one does."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+
+from vision_core.clock import NS_PER_MS
+from vision_core.histogram import Histograms
+from vision_core.rtdb.infos import LAGS, TIMINGS, ProcessInfo, Proposal, SelfTest, TaskInfo
+from vision_core.scheduling.executive import with_proposal
+from vision_core.scheduling.task import Task
+
+RESPONSES_MS = {"capture": 0.08, "perceive": 1.9, "serve": 1.1, "source": 9.0, "obstacles": 8.0, "lines": 6.0}
+"""Median; 3 where nothing is said."""
+RATE_HZ = 30.0
+FRAME_MS = 1e3 / RATE_HZ
+REFUSED = (
+    "SCHED_FIFO {} is refused: no CAP_SYS_NICE, and ulimit -r is 0; "
+    "locking memory is refused: no CAP_IPC_LOCK, and ulimit -l is 8192 KiB"
+)
+SPARES = ("spare-1", "spare-2")
+COUNTED = 600
+
+
+@dataclass
+class Condition:
+    """How the tasks do; change it while they run."""
+
+    rights: bool = True
+    """Real-time priority and locked memory are granted."""
+    p99_us: float = 90.0
+    """Lateness of wake-ups in the self-test."""
+    silent: tuple[str, ...] = ()
+    """Tasks that have never spoken."""
+    reporting: bool = True
+    """Clients report their lags."""
+    notes: dict[str, str] = field(default_factory=dict)
+
+
+def self_test(condition: Condition) -> SelfTest:
+    """As measured at the start."""
+    p99_us = condition.p99_us
+    grade = "A" if p99_us < 200.0 else "B" if p99_us < 2000.0 else "C"
+    refused, _, memory = ("" if condition.rights else REFUSED.format(50)).partition("; ")
+    policy = "FIFO 50" if condition.rights else "nice -10"
+    return SelfTest(grade, policy, refused, condition.rights, memory, 400, 30.0, p99_us, 3.0 * p99_us)
+
+
+def process_infos(tasks: Sequence[Task], states: dict[str, tuple[str, str]]) -> tuple[ProcessInfo, ...]:
+    """Of every process; states: state and detail of those that do not run."""
+    names = ("compile", *dict.fromkeys(task.process for task in tasks), *SPARES)
+    infos = []
+    for index, name in enumerate(names):
+        state, detail = states.get(name, ("done" if name == "compile" else "running", ""))
+        infos.append(ProcessInfo(name, 4000 + index if state == "running" else None, state, 0, detail))
+    return tuple(infos)
+
+
+def task_info(task: Task, proposal: Proposal, frames: int, condition: Condition) -> TaskInfo:
+    """Of one task after some frames, as it runs when it obeys a proposal."""
+    running = with_proposal(task, proposal)
+    interval_ms = running.period_s * 1e3 or FRAME_MS
+    response_ms = RESPONSES_MS.get(task.name, 3.0)
+    granted = condition.rights or not running.priority
+    return TaskInfo(
+        pid=os.getpid(),
+        process=task.process,
+        enabled=running.enabled,
+        trigger=running.trigger,
+        period_ms=running.period_s * 1e3,
+        offset_ms=running.offset_s * 1e3,
+        priority=running.priority,
+        budget_ms=running.budget_s * 1e3,
+        policy=("ordinary" if not running.priority else f"FIFO {running.priority}" if granted else "nice -10"),
+        refused="" if granted else REFUSED.format(running.priority),
+        runs=frames,
+        missed=2,
+        overruns=1 if task.name == "lines" else 0,
+        collections=3,
+        rate_hz=0.0 if not running.enabled else 1.0 / running.period_s if running.period_s else RATE_HZ,
+        response_median_ms=response_ms,
+        response_max_ms=2.4 * response_ms,
+        interval_mean_ms=interval_ms,
+        interval_sd_ms=0.02 * interval_ms,
+        note=condition.notes.get(task.name, ""),
+    )
+
+
+@cache
+def timing_of(task: Task) -> bytes:
+    """Histograms of one task: the same ones every time."""
+    response_ms = RESPONSES_MS.get(task.name, 3.0)
+    middles_ms = {"lateness": 0.03, "execution": 0.97 * response_ms, "response": response_ms}
+    return _drawn(TIMINGS, middles_ms | {"interval": task.period_s * 1e3 or FRAME_MS})
+
+
+def lags_of(condition: Condition) -> bytes:
+    """Histograms of the lags: B and C only when clients report them."""
+    reported = {"network": 0.12, "client": 2.0} if condition.reporting else {}
+    return _drawn(LAGS, {"server": 12.4, **reported})
+
+
+def _drawn(names: tuple[str, ...], middles_ms: dict[str, float]) -> bytes:
+    histograms, random = Histograms(names), np.random.default_rng(5)
+    for name, middle_ms in middles_ms.items():
+        for duration_ms in middle_ms * random.lognormal(0.0, 0.25, COUNTED):
+            histograms.add(name, round(duration_ms * NS_PER_MS))
+    return histograms.encode()
