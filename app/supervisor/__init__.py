@@ -3,12 +3,19 @@
 Theory of operation. ``pslv serve`` lays out a plan (``plan``), and this package carries it out: it makes
 the shared memory and the events, takes the sockets that were opened for it, starts one process per line of
 the task table and hands each what it needs. Then it waits: for the end of a child (a pidfd tells at once),
-for a heartbeat that stays away, for a signal. A child that ends without having been asked is started again,
-at once the first time and with a growing delay after that; five ends within a minute disable it, and that is
-said. Since memory and sockets belong to the supervisor, the others notice nothing but a silence. When the
+for a beat that stays away, for a request, for a signal. A child that ends without having been asked is
+replaced, at once the first time and with a growing delay after that; five ends within a minute disable it, and that
+is said. Since memory and sockets belong to the supervisor, the others notice nothing but a silence. When the
 supervisor itself is killed, the kernel kills its children, and the memory goes with them.
+
+Starting Python with all that a child needs takes seconds. So there are warm spares: processes that have loaded
+everything, and become whichever child is missing when they are told which. A new spare is made when all is quiet.
+
+The supervisor itself only waits, so it may ask for the highest real-time priority: load delays no restart. When it was
+delayed all the same, the machine stood still, and a child's silence is counted from then on only.
 
 Rules: standard library only; it never decodes what the tasks write, and never imports a stage.
 
-Files, outside-in: ``service`` (the loop), ``child`` (one process), ``plan`` (what to start).
+Files, outside-in: ``service`` (the loop), ``control`` (the socket for requests), ``spares`` (the warm ones),
+``child`` (one process), ``plan`` (what to start).
 """

@@ -1,10 +1,12 @@
 """One process of the service: start, watch, end, start again."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 from dataclasses import dataclass, field
+from typing import Any
 
 from app.supervisor.plan import ChildPlan
 from vision_core.clock import NS_PER_S
@@ -15,45 +17,95 @@ CRASHES_TO_DISABLE = 5
 CRASH_WINDOW_S = 60.0
 FIRST_DELAY_S = 0.25
 START_PATIENCE_S = 60.0
-"""A process that has not shown a first heartbeat by then is taken for hung."""
+"""A process that has not beaten once by then is taken for hung; a machine under load is slow to import."""
+WARM_PATIENCE_S = 10.0
+"""The same for a spare that has taken a place: it has everything, but may have to open a camera."""
+LONGEST_DETAIL = 200
 
 
 @dataclass(slots=True)
 class Child:
-    """A process and its history."""
+    """A process and its history. A warm spare is one as well: it takes orders."""
 
     plan: ChildPlan
     handed: HandDown
     heartbeat: SlotReader
+    arguments: tuple[str, ...] = ()
+    inherits: tuple[int, ...] = ()
+    """Descriptors to pass on beside those that it is told of."""
+    takes_orders: bool = False
+    """Its standard input is a pipe."""
     state: str = "waiting"
     detail: str = ""
     restarts: int = 0
     process: subprocess.Popen[bytes] | None = None
     pidfd: int | None = None
     started: int = 0
+    patience_s: float = START_PATIENCE_S
+    """For the first beat."""
+    beaten: int = 0
+    """When it last said that it lives [ns]; 0: not since its start."""
+    killed: bool = False
+    """It did not answer and was sent SIGKILL."""
     due: int = 0
     """When to start again [ns]."""
     ends: list[int] = field(default_factory=list)
     """When it ended without having been asked [ns], over the last minute."""
+    ended: int = 0
+    """When it last did."""
 
     @property
     def pid(self) -> int | None:
         return self.process.pid if self.process is not None else None
 
+    def row(self) -> dict[str, Any]:
+        """Its line of the table of processes."""
+        return {
+            "name": self.plan.name,
+            "pid": self.pid,
+            "state": self.state,
+            "restarts": self.restarts,
+            "detail": self.detail[:LONGEST_DETAIL],
+        }
+
     def start(self, now: int) -> None:
-        """Start the process."""
+        """Start the process; that the machine has no room for it counts as its end."""
         environment = os.environ | {VARIABLE: self.handed.encode(), "PYTHONUNBUFFERED": "1"}
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", self.plan.module],
-            env=environment,
-            pass_fds=self.handed.descriptors(),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE if self.plan.once else None,
-            process_group=0,  # a Ctrl-C at the terminal reaches the supervisor alone
-        )
-        self.pidfd = os.pidfd_open(self.process.pid)
-        self.started = now
-        self.state = "starting"
+        try:
+            process = subprocess.Popen(
+                [sys.executable, "-m", self.plan.module, *self.arguments],
+                env=environment,
+                pass_fds=(*self.handed.descriptors(), *self.inherits),
+                stdin=subprocess.PIPE if self.takes_orders else subprocess.DEVNULL,
+                stdout=subprocess.PIPE if self.plan.once else None,
+                bufsize=0,
+                process_group=0,  # a Ctrl-C at the terminal reaches the supervisor alone
+            )
+        except OSError as error:
+            self._failed(now, f"could not be started: {error.strerror}")
+            return
+        self._adopt(process, os.pidfd_open(process.pid), now, START_PATIENCE_S)
+
+    def hand_over(self, child: "Child", now: int) -> bool:
+        """Have the process of this spare take a child's place; False when it does not take the order."""
+        assert self.process is not None
+        assert self.process.stdin is not None
+        assert self.pidfd is not None
+        order = json.dumps({"module": child.plan.module, "handed": child.handed.encode()}).encode() + b"\n"
+        pipe = self.process.stdin.fileno()
+        os.set_blocking(pipe, False)
+        try:
+            taken = os.write(pipe, order) == len(order)
+        except OSError:  # it has just ended
+            taken = False
+        if not taken:
+            self.signal(signal.SIGKILL)
+            return False
+        self.process.stdin.close()
+        child._adopt(self.process, self.pidfd, now, WARM_PATIENCE_S)
+        self.process = self.pidfd = None
+        self.state = "waiting"
+        return True
 
     def has_ended(self) -> bool:
         """Has the process ended? Takes its exit status."""
@@ -67,27 +119,28 @@ class Child:
         if self.plan.once and status == 0:
             self.state = "done"
             return
-        how = f"signal {signal.Signals(-status).name}" if status < 0 else f"exit status {status}"
-        self.ends = [end for end in self.ends if now - end < CRASH_WINDOW_S * NS_PER_S] + [now]
-        if self.plan.once:
-            self.state, self.detail = "disabled", f"ended with {how}"
-        elif len(self.ends) >= CRASHES_TO_DISABLE:
-            self.state = "disabled"
-            self.detail = f"{len(self.ends)} ends within a minute, the last with {how}"
-        else:
-            delay_s = 0.0 if len(self.ends) == 1 else FIRST_DELAY_S * 2.0 ** (len(self.ends) - 2)
-            self.due = now + int(delay_s * NS_PER_S)
-            self.state, self.detail = "restarting", f"ended with {how}"
-            self.restarts += 1
+        self._failed(now, f"ended with {_in_words(status)}")
 
-    def is_silent(self, now: int) -> bool:
-        """Has its heartbeat stayed away for too long? The first one tells that it runs."""
+    def forgive(self, now: int) -> None:
+        """Try a disabled process again, as if it had never ended."""
+        self.ends.clear()
+        self.state, self.due, self.ended = "restarting", now, now
+        self.restarts += 1
+
+    def note_beat(self) -> None:
+        """See when it last said that it lives. The first time tells that it runs."""
         glance = self.heartbeat.glance()
-        if glance is None or glance.written < self.started:
-            return now - self.started > START_PATIENCE_S * NS_PER_S
-        if self.state == "starting":
-            self.state, self.detail = "running", ""
-        return not self.plan.once and now - glance.written > self.plan.heartbeat_s * NS_PER_S
+        if glance is not None and glance.written >= self.started:
+            self.beaten = glance.written
+            if self.state == "starting":
+                self.state = "running"
+
+    def is_silent(self, now: int, watched: int) -> bool:
+        """Has its beat stayed away for too long? watched: since when it would have been noticed [ns]."""
+        if self.plan.once and self.beaten:
+            return False
+        patience_s = self.plan.heartbeat_s if self.beaten else self.patience_s
+        return now - max(self.beaten, self.started, watched) > patience_s * NS_PER_S
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal if the process still runs."""
@@ -102,9 +155,40 @@ class Child:
             self._forget()
         self.state = "stopped"
 
+    def _adopt(self, process: subprocess.Popen[bytes], pidfd: int, now: int, patience_s: float) -> None:
+        self.process, self.pidfd = process, pidfd
+        self.started, self.patience_s = now, patience_s
+        self.beaten, self.killed = 0, False
+        self.state = "starting"
+
+    def _failed(self, now: int, how: str) -> None:
+        """It ended: now, or later, or never again."""
+        self.ends = [end for end in self.ends if now - end < CRASH_WINDOW_S * NS_PER_S] + [now]
+        self.ended = now
+        self.state, self.detail = "disabled", how
+        if self.plan.once:
+            return
+        if len(self.ends) >= CRASHES_TO_DISABLE:
+            self.detail = f"{len(self.ends)} ends within a minute, the last {how.removeprefix('ended ')}"
+            return
+        delay_s = 0.0 if len(self.ends) == 1 else FIRST_DELAY_S * 2.0 ** (len(self.ends) - 2)
+        self.due = now + int(delay_s * NS_PER_S)
+        self.state = "restarting"
+        self.restarts += 1
+
     def _forget(self) -> None:
-        if self.process is not None and self.process.stdout is not None:
-            self.process.stdout.close()
+        if self.process is not None:
+            for pipe in (self.process.stdin, self.process.stdout):
+                if pipe is not None:
+                    pipe.close()
         if self.pidfd is not None:
             os.close(self.pidfd)
         self.process = self.pidfd = None
+
+
+def _in_words(status: int) -> str:
+    """What ended a process: "exit status 3", "signal SIGKILL"."""
+    if status >= 0:
+        return f"exit status {status}"
+    named = {number.value: number.name for number in signal.Signals}  # real-time signals have no names
+    return f"signal {named.get(-status, -status)}"

@@ -12,15 +12,17 @@ class ChildPlan:
 
     name: str
     module: str
-    trigger: str | None
-    """Record that releases it."""
+    wakes: tuple[str, ...]
+    """Records whose writing raises its event."""
     writes: tuple[str, ...]
     sockets: tuple[str, ...]
     after_compile: bool
     """Started when the process that runs once has ended well."""
     once: bool
     heartbeat_s: float
-    """Killed when its record is older."""
+    """Killed when its last beat is older."""
+    spared: bool = True
+    """A warm spare may take its place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +31,20 @@ class ServicePlan:
 
     children: tuple[ChildPlan, ...]
     records: tuple[RecordSpec, ...]
+    """Among them ``beat/<name>`` of every child and every spare."""
     initial: dict[str, bytes]
     """First values of records that the supervisor writes."""
     sockets: dict[str, socket.socket]
     boot: int
     """Start of the service [ns of CLOCK_MONOTONIC]."""
+    spares: int
+    """How many processes are kept warm."""
+    control: str
+    """Name of the abstract socket for requests, without the leading NUL: "pslv/8000"."""
+    spare_module: str = "vision_core.tasks.spare"
+    """What a warm spare runs until it is needed; see there for what is asked of it."""
+
+
+def spare_names(count: int) -> tuple[str, ...]:
+    """The names of that many warm spares."""
+    return tuple(f"spare-{number}" for number in range(1, count + 1))

@@ -8,15 +8,24 @@ import signal
 import socket
 import time
 from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
 
 from app.supervisor.child import Child
-from app.supervisor.plan import ServicePlan
+from app.supervisor.control import Answer, ControlSocket
+from app.supervisor.plan import ChildPlan, ServicePlan
+from app.supervisor.spares import Spares, spare_plans
 from vision_core.clock import NS_PER_S
-from vision_core.rtdb.attachment import HandDown, monotonic
+from vision_core.rtdb.attachment import BEAT, HandDown, monotonic, name_process
+from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.store import Store, create_block
 
-TICK_S = 0.2
-LONGEST_DETAIL = 200
+TICK_S = 0.1
+LATE_S = 2 * TICK_S
+"""A turn that comes so long after the one before: the machine stood still, not the children."""
+PUBLISH_EVERY_S = 0.5
+PRIORITY = 91
+"""Real-time priority, above that of every task: it only waits."""
 STOP_PATIENCE_S = 1.5
 """Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
 
@@ -25,29 +34,42 @@ class Supervisor:
     """Starts the plan's processes, keeps them alive, and ends them."""
 
     def __init__(self, plan: ServicePlan, tell: Callable[[str], None], progress: Callable[[str], None]) -> None:
-        """tell: one line of news; progress: how far the process that runs once is, and "" when it is done."""
+        """tell: one line of news; progress: how far the process that runs once is, and "" when it is done.
+
+        Raises ServiceError when the control socket's name is taken.
+        """
         self._plan = plan
         self._tell = tell
         self._progress = progress
+        self._control = ControlSocket(plan.control, self._answer)
         self._block = create_block(plan.records)
+        self._to_look_at = os.open(f"/proc/self/fd/{self._block}", os.O_RDONLY | os.O_CLOEXEC)
         self._store = Store(plan.records, self._block)
         for name, value in plan.initial.items():
             self._store.writer(name).write(value, monotonic(), monotonic())
-        self._events = {child.name: os.eventfd(0, os.EFD_NONBLOCK) for child in plan.children if child.trigger}
+        self._events = {child.name: os.eventfd(0, os.EFD_NONBLOCK) for child in plan.children if child.wakes}
         self._processes = self._store.writer("processes")
-        self.children = [self._child(index) for index in range(len(plan.children))]
+        self.children = [Child(child, self._handed(child), self._heartbeat(child)) for child in plan.children]
+        self.spares = Spares([self._spare(spare) for spare in spare_plans(plan)])
+        self._everybody = (*self.children, *self.spares.all)
         self._woken, self._wake = socket.socketpair()
         self._woken.setblocking(False)
         self._wake.setblocking(False)
         self._stopping = False
         self._failed = False
         self._complete = False
+        self._turned = self._watched = time.monotonic_ns()
+        """The newest turn, and since when turns came in time [ns]."""
+        self._told: tuple[bytes, int] = b"", 0
+        """The newest table of processes, and when it was written [ns]."""
 
     def run(self) -> int:
         """Run until SIGINT or SIGTERM; returns the exit status."""
         previous = {number: signal.signal(number, self._stop) for number in (signal.SIGINT, signal.SIGTERM)}
         wakeup = signal.set_wakeup_fd(self._wake.fileno(), warn_on_full_buffer=False)
         try:
+            name_process("pslv:supervisor")
+            _go_first()
             for child in self.children:
                 if not child.plan.after_compile:
                     child.start(time.monotonic_ns())
@@ -65,20 +87,28 @@ class Supervisor:
         """Wait for something to happen, and do what follows from it."""
         self._wait()
         now = time.monotonic_ns()
-        for child in self.children:
-            before = child.state
+        if now - self._turned > LATE_S * NS_PER_S:
+            self._watched = now
+        self._turned = now
+        for child in self._everybody:
             self._look_after(child, now)
-            if child.state != before:
-                self._report(child)
+        for child in self.children:
+            if child.state == "restarting" and now >= child.due:
+                self._replace(child, now)
         if not self._complete and all(child.state in ("running", "done") for child in self.children):
             self._complete = True
             self._tell("ready")
-        self._publish()
+        if self._complete:
+            self.spares.refill(self.children, now)
+        self._control.hang_up(now)
+        self._publish(now)
 
     def _wait(self) -> None:
         poller = select.poll()
         poller.register(self._woken, select.POLLIN)
-        for child in self.children:
+        for descriptor in self._control.descriptors():
+            poller.register(descriptor, select.POLLIN)
+        for child in self._everybody:
             if child.pidfd is not None:
                 poller.register(child.pidfd, select.POLLIN)
             if child.process is not None and child.process.stdout is not None:
@@ -87,24 +117,43 @@ class Supervisor:
             if descriptor == self._woken.fileno():
                 with contextlib.suppress(BlockingIOError):
                     self._woken.recv(64)
-            for child in self.children:
-                pipe = child.process.stdout if child.process is not None else None
-                if pipe is not None and pipe.fileno() == descriptor:
-                    text = os.read(descriptor, 4096).decode(errors="replace").strip()
-                    if text:
-                        child.detail = text.splitlines()[-1]
-                        self._progress(child.detail)
+            self._control.serve(descriptor, time.monotonic_ns())
+            self._hear_progress(descriptor)
+
+    def _hear_progress(self, descriptor: int) -> None:
+        for child in self.children:
+            pipe = child.process.stdout if child.process is not None else None
+            if pipe is not None and pipe.fileno() == descriptor:
+                text = os.read(descriptor, 4096).decode(errors="replace").strip()
+                if text:
+                    child.detail = text.splitlines()[-1]
+                    self._progress(child.detail)
 
     def _look_after(self, child: Child, now: int) -> None:
+        """Take note of an end or a first beat, and end what hangs."""
         if child.has_ended():
             child.bury(now)
             if child.plan.once:
                 self._compiled(child, now)
-        elif child.process is not None and child.is_silent(now):
-            self._tell(f"{child.plan.name} does not answer and is killed")
-            child.signal(signal.SIGKILL)
-        if child.state == "restarting" and now >= child.due:
+            else:
+                self._tell(f"{child.plan.name} {child.detail}: {child.state}")
+        elif child.process is not None:
+            was_starting = child.state == "starting"
+            child.note_beat()
+            if was_starting and child.state == "running" and child.ended and child in self.children:
+                self._tell(f"{child.plan.name} runs again after {(child.beaten - child.ended) / NS_PER_S:.2f} s")
+            if not child.killed and child.is_silent(now, self._watched):
+                self._tell(f"{child.plan.name} does not answer and is killed")
+                child.signal(signal.SIGKILL)
+                child.killed = True
+
+    def _replace(self, child: Child, now: int) -> None:
+        """Start a child again: with a warm spare if there is one."""
+        spare = self.spares.take_place(child, now)
+        if spare is None:
             child.start(now)
+        else:
+            self._tell(f"{spare.plan.name} takes the place of {child.plan.name}")
 
     def _compiled(self, child: Child, now: int) -> None:
         self._progress("")
@@ -116,41 +165,50 @@ class Supervisor:
             if other.plan.after_compile:
                 other.start(now)
 
-    def _report(self, child: Child) -> None:
-        if child.state in ("restarting", "disabled") and not child.plan.once:
-            self._tell(f"{child.plan.name} {child.detail}: {child.state}")
-        elif child.state == "running" and child.restarts:
-            self._tell(f"{child.plan.name} runs again after {(time.monotonic_ns() - child.ends[-1]) / NS_PER_S:.1f} s")
+    def _publish(self, now: int) -> None:
+        """Write the table of processes when it has changed, and now and then as a sign of life."""
+        table = json.dumps({"processes": [child.row() for child in self._everybody]}).encode()
+        before, written = self._told
+        if table != before or now - written > PUBLISH_EVERY_S * NS_PER_S:
+            self._told = table, now
+            self._processes.write(table, monotonic(), monotonic())
 
-    def _publish(self) -> None:
-        table = {
-            "processes": [
-                {
-                    "name": child.plan.name,
-                    "pid": child.pid,
-                    "state": child.state,
-                    "restarts": child.restarts,
-                    "detail": child.detail[:LONGEST_DETAIL],
-                }
-                for child in self.children
-            ]
-        }
-        now = monotonic()
-        self._processes.write(json.dumps(table).encode(), now, now)
+    def _answer(self, request: object) -> Answer:
+        """What to say to somebody on the control socket."""
+        match request:
+            case {"do": "attach"}:
+                records = [asdict(spec) for spec in self._plan.records]
+                told = {"pid": os.getpid(), "boot": self._plan.boot, "records": records, "control": self._plan.control}
+                return told, (self._to_look_at,)
+            case {"do": "restart", "name": str(name)}:
+                return self._restart(name), ()
+        return {"error": "no such request", "accepted": '{"do": "attach"}, {"do": "restart", "name": ...}'}, ()
+
+    def _restart(self, name: str) -> dict[str, Any]:
+        """Try a disabled process again."""
+        disabled = [child for child in self._everybody if child.state == "disabled" and not child.plan.once]
+        for child in disabled:
+            if child.plan.name == name:
+                child.forgive(time.monotonic_ns())
+                self._tell(f"{name} is tried again")
+                return {"restarted": name}
+        accepted = ", ".join(child.plan.name for child in disabled) or "nothing now, no process is disabled"
+        return {"error": "it is no disabled process", "accepted": accepted}
 
     def _shut_down(self) -> None:
         """End every child, then let go of memory, events and sockets."""
-        for child in self.children:
+        self._control.close()
+        for child in self._everybody:
             child.signal(signal.SIGTERM)
         deadline = time.monotonic() + STOP_PATIENCE_S
         while time.monotonic() < deadline and not all(
-            child.process is None or child.has_ended() for child in self.children
+            child.process is None or child.has_ended() for child in self._everybody
         ):
             time.sleep(0.01)
-        for child in self.children:
+        for child in self._everybody:
             child.stop_for_good()
         self._store.close()
-        for descriptor in (self._block, *self._events.values()):
+        for descriptor in (self._block, self._to_look_at, *self._events.values()):
             os.close(descriptor)
         for owned in (self._woken, self._wake, *self._plan.sockets.values()):
             owned.close()
@@ -158,13 +216,13 @@ class Supervisor:
     def _stop(self, _number: int, _frame: object) -> None:
         self._stopping = True
 
-    def _child(self, index: int) -> Child:
-        plan = self._plan.children[index]
+    def _handed(self, plan: ChildPlan) -> HandDown:
+        """What a child gets hold of."""
         notify = {
-            record: tuple(self._events[other.name] for other in self._plan.children if other.trigger == record)
+            record: tuple(self._events[other.name] for other in self._plan.children if record in other.wakes)
             for record in plan.writes
         }
-        handed = HandDown(
+        return HandDown(
             process=plan.name,
             supervisor=os.getpid(),
             boot=self._plan.boot,
@@ -174,4 +232,25 @@ class Supervisor:
             notify={record: events for record, events in notify.items() if events},
             sockets={name: self._plan.sockets[name].fileno() for name in plan.sockets},
         )
-        return Child(plan, handed, self._store.reader(f"task/{plan.name}"))
+
+    def _heartbeat(self, plan: ChildPlan) -> SlotReader:
+        return self._store.reader(f"{BEAT}/{plan.name}")
+
+    def _spare(self, plan: ChildPlan) -> Child:
+        """A spare may become any child, so it gets everything, and the names of all modules to import."""
+        modules = dict.fromkeys(child.module for child in self._plan.children if child.spared)
+        sockets = [self._plan.sockets[name].fileno() for child in self._plan.children for name in child.sockets]
+        return Child(
+            plan,
+            self._handed(plan),
+            self._heartbeat(plan),
+            arguments=tuple(modules),
+            inherits=(*self._events.values(), *sockets),
+            takes_orders=True,
+        )
+
+
+def _go_first() -> None:
+    """Let no load delay a restart; where that is refused, it will."""
+    with contextlib.suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(PRIORITY))

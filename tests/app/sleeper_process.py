@@ -1,4 +1,4 @@
-"""A task that only beats its heart, for the supervisor's tests. Its name says what else it does."""
+"""A process that only beats, for the supervisor's tests. Its name says what else it does."""
 
 import sys
 import time
@@ -9,15 +9,14 @@ from vision_core.rtdb.attachment import attach, monotonic
 def main() -> None:
     attachment = attach()
     name = attachment.handed.process
-    writer = attachment.store.writer(f"task/{name}")
-    writer.write(b"first", monotonic(), monotonic())
+    attachment.beat(monotonic())
     if name == "job":
         print("1 of 1: nothing", flush=True)
         return
     if name == "faller":
         sys.exit(3)
     while not attachment.stopping or name == "deaf":
-        writer.write(b"beat", monotonic(), monotonic())
+        attachment.beat(monotonic())
         time.sleep(0.02)
 
 

@@ -1,39 +1,50 @@
-"""Main module: a supervisor over sleepers, in a process of its own. Tells its news on standard output."""
+"""Main module: a supervisor over sleepers, in a process of its own. Tells its news on standard output.
+
+The arguments are the names of the sleepers; a number among them is that of the warm spares.
+"""
 
 import json
+import os
 import sys
 
-from app.supervisor.plan import ChildPlan, ServicePlan
+from app.supervisor.plan import ChildPlan, ServicePlan, spare_names
 from app.supervisor.service import Supervisor
 from vision_core.rtdb.attachment import monotonic
 from vision_core.rtdb.layout import RecordSpec
 
 
-def main(names: list[str]) -> int:
+def main(arguments: list[str]) -> int:
+    names = [name for name in arguments if not name.isdigit()]
+    spares = sum(int(name) for name in arguments if name.isdigit())
     children = tuple(
         ChildPlan(
             name=name,
             module="tests.app.sleeper_process",
-            trigger=None,
+            wakes=(),
             writes=(),
             sockets=(),
             after_compile="job" in names and name != "job",
             once=name == "job",
             heartbeat_s=0.5,
+            spared=name != "job",
         )
         for name in names
     )
-    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"task/{name}", 64, 0.0) for name in names))
-    plan = ServicePlan(children, specs, {}, {}, monotonic())
+    beating = (*names, *spare_names(spares))
+    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"beat/{name}", 8, 0.0) for name in beating))
+    control = f"pslv/test-{os.getpid()}"
+    plan = ServicePlan(children, specs, {}, {}, monotonic(), spares, control, "tests.app.spare_process")
     supervisor = Supervisor(plan, tell, tell)
     reader = supervisor._store.reader("processes")
     publish = supervisor._publish
 
-    def publish_and_print() -> None:
-        publish()
-        reading = reader.read(monotonic())
-        assert reading is not None
-        tell("processes " + json.dumps(json.loads(reading.value)["processes"]))
+    def publish_and_print(now: int) -> None:
+        before = reader.sequence
+        publish(now)
+        if reader.sequence != before:
+            reading = reader.read(monotonic())
+            assert reading is not None
+            tell("processes " + json.dumps(json.loads(reading.value)["processes"]))
 
     supervisor._publish = publish_and_print  # type: ignore[method-assign]
     return supervisor.run()

@@ -14,15 +14,20 @@ import pytest
 
 from bench.service import is_alive
 from tests.conftest import ROOT
+from vision_core.clock import MonotonicClock
+from vision_core.errors import ServiceError
+from vision_core.rtdb.control import attach_to, restart
 
 Table = dict[str, dict[str, Any]]
 PATIENCE_S = 30.0
+SPARES = ("spare-1", "spare-2")
 
 
 class Service:
     """A supervisor in a process of its own, and what it says."""
 
     def __init__(self, *names: str) -> None:
+        """names: of the sleepers, and how many warm spares there are."""
         self.process = subprocess.Popen(
             [sys.executable, "-m", "tests.app.supervised_service", *names],
             cwd=ROOT,
@@ -30,6 +35,7 @@ class Service:
             text=True,
         )
         self.news: list[str] = []
+        self.control = f"pslv/test-{self.process.pid}"
 
     def tables(self) -> Iterator[Table]:
         """Every published table of processes, as it comes; ends with the supervisor."""
@@ -105,7 +111,9 @@ def test_a_hung_process_is_killed_and_comes_back() -> None:
         before = started.running("one")["one"]["pid"]
         os.kill(before, signal.SIGSTOP)
         started.until(lambda table: table["one"]["restarts"] == 1)
-        assert started.running("one")["one"]["pid"] != before
+        after = started.running("one")["one"]
+        assert after["pid"] != before
+        assert after["detail"] == "ended with signal SIGKILL"
         assert any("does not answer" in line for line in started.news)
 
 
@@ -130,10 +138,12 @@ def test_a_process_that_ignores_sigterm_is_killed_in_time() -> None:
 
 @pytest.mark.slow
 def test_a_killed_supervisor_takes_its_processes_with_it() -> None:
-    with service("one", "two") as started:
-        pids = [row["pid"] for row in started.running("one", "two").values()]
+    with service("one", "two", "2") as started:
+        pids = [row["pid"] for row in started.running("one", "two", *SPARES).values()]
         started.process.kill()
         assert all_gone(pids)
+        with pytest.raises(ServiceError, match="Connection refused"):
+            attach_to(started.control)
 
 
 @pytest.mark.slow
@@ -143,3 +153,112 @@ def test_the_others_wait_for_the_job_that_runs_once() -> None:
         assert states == ["done"]
         assert "1 of 1: nothing" in started.news
         assert "ready" in started.news
+
+
+@pytest.mark.slow
+def test_a_spare_takes_the_place_of_a_killed_process_and_is_replaced_itself() -> None:
+    with service("one", "two", "2") as started:
+        before = started.running("one", "two", *SPARES)
+        os.kill(before["one"]["pid"], signal.SIGKILL)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        after = started.running("one", "two", *SPARES)
+        assert after["one"]["pid"] == before["spare-1"]["pid"]
+        assert after["one"]["detail"] == "ended with signal SIGKILL"
+        assert after["two"] == before["two"]
+        assert after["spare-1"]["pid"] != before["spare-1"]["pid"]
+        assert after["spare-1"]["restarts"] == 0
+        assert "spare-1 takes the place of one" in started.news
+
+
+@pytest.mark.slow
+def test_a_spare_takes_the_place_of_a_hung_process() -> None:
+    with service("one", "1") as started:
+        before = started.running("one", "spare-1")
+        os.kill(before["one"]["pid"], signal.SIGSTOP)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        assert started.running("one")["one"]["pid"] == before["spare-1"]["pid"]
+
+
+@pytest.mark.slow
+def test_when_all_spares_are_used_a_process_is_started_cold() -> None:
+    names = ("one", "two", "three")
+    with service(*names, "2") as started:
+        before = started.running(*names, *SPARES)
+        for name in names:
+            os.kill(before[name]["pid"], signal.SIGKILL)
+        started.until(lambda table: all(table[name]["restarts"] == 1 for name in names))
+        after = started.running(*names)
+        pids = {after[name]["pid"] for name in names}
+        assert {before[spare]["pid"] for spare in SPARES} < pids
+        started.running(*names, *SPARES)
+
+
+@pytest.mark.slow
+def test_a_spare_that_has_taken_a_place_hears_sigterm_like_anybody() -> None:
+    with service("one", "1") as started:
+        before = started.running("one", "spare-1")
+        os.kill(before["one"]["pid"], signal.SIGKILL)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        pid = started.running("one")["one"]["pid"]
+        started.process.send_signal(signal.SIGTERM)
+        assert started.process.wait(timeout=PATIENCE_S) == 0
+        assert all_gone([pid])
+
+
+@pytest.mark.slow
+def test_a_spare_that_keeps_dying_is_given_up_and_the_service_goes_on() -> None:
+    with service("one", "1") as started:
+        for ends in range(5):
+            table = started.running("one", "spare-1")
+            assert table["spare-1"]["restarts"] == ends
+            pid = table["spare-1"]["pid"]
+            os.kill(pid, signal.SIGKILL)
+            started.until(lambda table, pid=pid: table["spare-1"]["pid"] != pid)
+        os.kill(table["one"]["pid"], signal.SIGKILL)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        assert started.running("one")["spare-1"]["state"] == "disabled"
+
+
+@pytest.mark.slow
+def test_nobody_is_killed_for_a_silence_of_the_whole_machine() -> None:
+    with service("one") as started:
+        pid = started.running("one")["one"]["pid"]
+        everybody = started.process.pid, pid
+        for process in everybody:
+            os.kill(process, signal.SIGSTOP)
+        time.sleep(1.0)  # twice what a sleeper may be silent
+        for process in everybody:
+            os.kill(process, signal.SIGCONT)
+        began = time.monotonic()
+        table = started.until(lambda _table: time.monotonic() - began > 1.0)
+        assert (table["one"]["pid"], table["one"]["restarts"]) == (pid, 0)
+
+
+@pytest.mark.slow
+def test_a_disabled_process_can_be_tried_again() -> None:
+    with service("faller", "one") as started:
+        before = started.until(lambda table: table["faller"]["state"] == "disabled")["faller"]["restarts"]
+        restart(started.control, "faller")
+        started.until(lambda table: table["faller"]["restarts"] == before + 2)  # it was tried, and has ended again
+        started.until(lambda table: table["faller"]["state"] == "disabled")
+        with pytest.raises(ServiceError, match="restart one at .*no disabled process; accepted: faller"):
+            restart(started.control, "one")
+
+
+@pytest.mark.slow
+def test_what_the_service_writes_can_be_looked_at_from_outside() -> None:
+    with service("one", "2") as started:
+        table = started.running("one")
+        attached = attach_to(started.control)
+        assert attached.pid == started.process.pid
+        beats = attached.store.reader("beat/one")
+        before = beats.sequence
+        started.until(lambda _table: beats.sequence > before)
+        reading = attached.store.reader("processes").read(MonotonicClock().now())
+        assert reading is not None
+        assert json.loads(reading.value)["processes"][0]["pid"] == table["one"]["pid"]
+        assert attached.runs()
+        started.process.send_signal(signal.SIGTERM)
+        started.process.wait(timeout=PATIENCE_S)
+        assert not attached.runs()
+        attached.close()

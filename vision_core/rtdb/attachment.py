@@ -20,7 +20,11 @@ from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store
 
 VARIABLE = "PSLV_HANDDOWN"
-PR_SET_PDEATHSIG = 1
+BEAT = "beat"
+"""Record of each process by which it says that it lives."""
+PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
+LONGEST_NAME = 15
+"""Of a process, as the kernel keeps it [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +70,7 @@ class Attachment:
         self.store = Store(handed.records, handed.block)
         self.boot = Instant(handed.boot)
         self.stopping = False
+        self._beats = self.store.writer(f"{BEAT}/{handed.process}")
 
     def stop_on_signals(self) -> None:
         """SIGTERM sets ``stopping``; SIGINT is the supervisor's business (Ctrl-C reaches the whole group)."""
@@ -83,9 +88,18 @@ class Attachment:
         poller.register(self.handed.wake, select.POLLIN)
         if not poller.poll(timeout_s * 1e3):
             return False
+        self.clear()
+        return True
+
+    def clear(self) -> None:
+        """Take note of the event: what raises it after this is news."""
+        assert self.handed.wake is not None
         with contextlib.suppress(BlockingIOError):
             os.eventfd_read(self.handed.wake)
-        return True
+
+    def beat(self, now: Instant) -> None:
+        """Say that this process lives. The first time says that it is ready to work."""
+        self._beats.write(b"", now, now)
 
     def notify(self, record: str) -> None:
         """Release everybody who waits for a record."""
@@ -100,6 +114,7 @@ def attach() -> Attachment:
         sys.exit("this process is a part of the service and is started by `pslv serve`")
     handed = HandDown.decode(text)
     end_with(handed.supervisor)
+    name_process(f"pslv:{handed.process}")
     attachment = Attachment(handed)
     attachment.stop_on_signals()
     return attachment
@@ -110,6 +125,11 @@ def end_with(parent: int) -> None:
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it died before we asked
         os._exit(1)
+
+
+def name_process(name: str) -> None:
+    """Let ``top`` and ``ps`` call this process so; what is too long is cut."""
+    ctypes.CDLL(None).prctl(PR_SET_NAME, name.encode()[:LONGEST_NAME])
 
 
 def monotonic() -> Instant:

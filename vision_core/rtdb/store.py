@@ -19,10 +19,14 @@ def create_block(specs: Sequence[RecordSpec]) -> int:
 class Store:
     """A mapped block."""
 
-    def __init__(self, specs: Sequence[RecordSpec], descriptor: int) -> None:
+    def __init__(self, specs: Sequence[RecordSpec], descriptor: int, *, read_only: bool = False) -> None:
+        """read_only: for those who only look; the kernel sees to it that they do.
+
+        Raises ValueError when the block is smaller than its records.
+        """
         self.specs = {spec.name: spec for spec in specs}
         self._places, size = offsets(specs)
-        self._map = mmap.mmap(descriptor, size)
+        self._map = mmap.mmap(descriptor, size, prot=mmap.PROT_READ if read_only else mmap.PROT_READ | mmap.PROT_WRITE)
         self._view = memoryview(self._map)
         self._rings: list[SlotReader | SlotWriter] = []
 
@@ -33,7 +37,12 @@ class Store:
         return ring
 
     def writer(self, name: str) -> SlotWriter:
-        """The writer of a record; the task table sees to it that there is only one."""
+        """The writer of a record; the task table sees to it that there is only one.
+
+        Raises KeyError for an unknown name, ValueError when the block is there to look at only.
+        """
+        if self._view.readonly:
+            raise ValueError(f"the writer of record {name!r}: the block is mapped read-only")
         ring = SlotWriter(self._memory(name), self.specs[name])
         self._rings.append(ring)
         return ring

@@ -1,0 +1,17 @@
+"""A warm spare that loads nothing but the modules it is told of, for the supervisor's tests."""
+
+import sys
+from importlib import import_module
+
+from vision_core.tasks.spare import attach_quietly, wait_and_become
+
+
+def main() -> None:
+    attachment = attach_quietly()
+    for name in sys.argv[1:]:
+        import_module(name)
+    wait_and_become(attachment)
+
+
+if __name__ == "__main__":
+    main()

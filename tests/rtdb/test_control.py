@@ -1,0 +1,197 @@
+"""Looking at a service from outside: both ends of the control socket."""
+
+import contextlib
+import json
+import mmap
+import os
+import select
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import asdict
+
+import pytest
+
+from app.supervisor import control as server
+from vision_core.clock import MonotonicClock
+from vision_core.errors import ServiceError
+from vision_core.rtdb.control import attach_to, restart, running_services
+from vision_core.rtdb.layout import RecordSpec
+from vision_core.rtdb.store import Store, create_block
+
+SPECS = (RecordSpec("one", 16, 0.0), RecordSpec("other", 16, 0.0))
+NAME = f"pslv/test-control-{os.getpid()}"
+CLOCK = MonotonicClock()
+
+
+class Served:
+    """A control socket over a block of memory, in a thread."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+        self.block = create_block(SPECS)
+        self.to_look_at = os.open(f"/proc/self/fd/{self.block}", os.O_RDONLY)
+        self.store = Store(SPECS, self.block)
+        self.asked: list[object] = []
+        self.socket = server.ControlSocket(NAME, self.answer)
+        self.ending = os.eventfd(0)
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+
+    def answer(self, request: object) -> server.Answer:
+        self.asked.append(request)
+        if request == {"do": "attach"}:
+            records = [asdict(spec) for spec in SPECS]
+            return {"pid": self.pid, "boot": 7, "records": records, "control": NAME}, (self.to_look_at,)
+        return {"error": "no such request", "accepted": "attach"}, ()
+
+    def run(self) -> None:
+        while True:
+            ready, _, _ = select.select([self.ending, *self.socket.descriptors()], [], [], 0.05)
+            if self.ending in ready:
+                return
+            for descriptor in ready:
+                self.socket.serve(descriptor, CLOCK.now())
+            self.socket.hang_up(CLOCK.now())
+
+    def close(self) -> None:
+        os.eventfd_write(self.ending, 1)
+        self.thread.join()
+        self.socket.close()
+        self.store.close()
+        for descriptor in (self.block, self.to_look_at, self.ending):
+            os.close(descriptor)
+
+
+@pytest.fixture
+def served(monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
+    monkeypatch.setattr(server, "PATIENCE_S", 0.2)
+    service = Served(os.getpid())
+    yield service
+    service.close()
+
+
+def connected() -> socket.socket:
+    peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    peer.settimeout(10.0)
+    peer.connect(f"\0{NAME}")
+    return peer
+
+
+def heard(peer: socket.socket) -> bytes:
+    """Everything until the other side hangs up."""
+    text = b""
+    with contextlib.suppress(ConnectionResetError):
+        while more := peer.recv(4096):
+            text += more
+    return text
+
+
+def test_what_is_written_is_read_by_several_who_look(served: Served) -> None:
+    first, second = attach_to(NAME), attach_to(NAME)
+    served.store.writer("other").write(b"value", CLOCK.now(), CLOCK.now())
+    for attached in (first, second):
+        reading = attached.store.reader("other").read(CLOCK.now())
+        assert reading is not None
+        assert reading.value == b"value"
+        assert (attached.name, attached.pid, attached.boot) == (NAME, os.getpid(), 7)
+        assert attached.runs()
+        attached.close()
+
+
+def test_who_looks_cannot_write(served: Served) -> None:
+    attached = attach_to(NAME)
+    with pytest.raises(ValueError, match="'one': the block is mapped read-only"):
+        attached.store.writer("one")
+    attached.close()
+    with connected() as peer:
+        peer.sendall(b'{"do": "attach"}\n')
+        _, descriptors, _, _ = socket.recv_fds(peer, 4096, 1)
+    with pytest.raises(PermissionError):
+        mmap.mmap(descriptors[0], mmap.PAGESIZE)
+    os.close(descriptors[0])
+
+
+def test_who_looks_notices_the_end_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    supervisor = subprocess.Popen(["sleep", "60"])
+    service = Served(supervisor.pid)
+    attached = attach_to(NAME)
+    assert attached.runs()
+    supervisor.kill()
+    supervisor.wait()
+    assert not attached.runs()
+    attached.close()
+    service.close()
+
+
+@pytest.mark.parametrize("said", [b"\n", b"{}\n", b"null\n", b"\xff\0\x01\n", b"[" * 2000 + b"\n", b'{"do": 1}\n'])
+def test_garbage_is_answered_and_hurts_nobody(served: Served, said: bytes) -> None:
+    with connected() as peer:
+        peer.sendall(said)
+        assert json.loads(heard(peer)) == {"error": "no such request", "accepted": "attach"}
+    attach_to(NAME).close()
+
+
+def test_an_endless_line_is_cut_off(served: Served) -> None:
+    with connected() as peer:
+        with contextlib.suppress(OSError):
+            peer.sendall(b"x" * 100_000)
+        assert heard(peer) == b""
+    attach_to(NAME).close()
+    assert served.asked == [{"do": "attach"}]
+
+
+def test_who_says_nothing_is_hung_up_on_and_others_get_their_turn(served: Served) -> None:
+    silent = [connected() for _ in range(server.MOST_CONNECTIONS + 2)]
+    attach_to(NAME).close()
+    for peer in silent:
+        assert heard(peer) == b""
+        peer.close()
+
+
+def test_who_leaves_early_hurts_nobody(served: Served) -> None:
+    for said in (b"", b'{"do"', b'{"do": "attach"}\n'):
+        with connected() as peer:
+            peer.sendall(said)
+    attach_to(NAME).close()
+
+
+def test_a_refusal_says_what_was_asked_and_what_is_accepted(served: Served) -> None:
+    with pytest.raises(ServiceError, match="restart web at service .*; found: no such request; accepted: attach"):
+        restart(NAME, "web")
+
+
+def test_a_service_that_does_not_run_is_named_with_those_that_do(served: Served) -> None:
+    with pytest.raises(ServiceError, match=f"attach at service pslv/none; found: .*refused; accepted: .*{NAME}"):
+        attach_to("pslv/none")
+
+
+def test_only_services_that_answer_are_listed(served: Served) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as mute:
+        mute.bind(f"\0{NAME}-mute")
+        mute.listen(0)
+        mute.close()
+        assert NAME in running_services()
+        assert f"{NAME}-mute" not in running_services()
+
+
+def test_a_name_is_taken_once(served: Served) -> None:
+    with pytest.raises(ServiceError, match=f"{NAME}; found: Address already in use"):
+        server.ControlSocket(NAME, served.answer)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may be somebody else")
+def test_another_user_is_not_answered(served: Served) -> None:
+    script = (
+        "import os, socket, sys\n"
+        "os.setuid(65534)\n"
+        "peer = socket.socket(socket.AF_UNIX)\n"
+        "peer.connect('\\0' + sys.argv[1])\n"
+        'try:\n    peer.sendall(b\'{"do": "attach"}\\n\')\n    print(peer.recv(100))\n'
+        "except OSError:\n    print(b'')\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script, NAME], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "b''"
+    assert served.asked == []
