@@ -1,0 +1,15 @@
+"""Task: images -> where the field ends in them, beside where the venue says that it does."""
+
+from vision_core.regions.boundary import BoundaryFinder
+from vision_core.rtdb import records
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.settings_models import camera_model_from
+from vision_core.tasks.watching import watching
+
+
+def start(handle: Handle) -> Step:
+    """Lay the rays."""
+    settings = handle.settings
+    camera = settings.camera
+    finder = BoundaryFinder(settings.field, camera_model_from(settings), (camera.width_px, camera.height_px))
+    return watching(handle, records.boundary(camera.name), finder.find)
