@@ -3,7 +3,7 @@
 A device delivers by itself, into the slot that it is given. Files and the simulated camera are no devices: their images
 are made by the task ``source``, which has no real-time priority, as a camera's chip would make them; this task orders
 one after the other into the ring's next slot and publishes each at its instant. An image that comes late is
-published late, under the instant that it was ordered for; a period that has passed meanwhile is left out and counted.
+published at once, under the instant that it was ordered for; a period that has passed meanwhile is left out and counted.
 
 A device that fails is opened again once a second, and until it delivers nothing is published: no stale image is
 passed on as fresh.
@@ -103,7 +103,7 @@ def _from_orders(handle: Handle) -> Step:
                 late_s = seconds_between(order.instant, handle.clock.now())
                 handle.note = f"no image of the source: it is {late_s:.1f} s late"
                 return False
-        release.due, release.began = order.instant, handle.clock.now()
+        release.due, release.began = max(order.instant, filled.written), handle.clock.now()
         release.missed, skipped = keeper.skipped - skipped, keeper.skipped
         frames.commit(size, order.instant, release.began)
         order, handle.note = None, ""

@@ -1,0 +1,165 @@
+"""Capture orders images and publishes them at their instants; source fills orders, each once."""
+
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vision_core.clock import MonotonicClock
+from vision_core.opencv import write_picture
+from vision_core.rtdb import records
+from vision_core.rtdb.attachment import Attachment, HandDown
+from vision_core.rtdb.infos import Exposure
+from vision_core.rtdb.store import create_block
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.releases import Release
+from vision_core.settings import Settings
+from vision_core.settings_files import load_settings
+from vision_core.tasks import capture, source
+from vision_core.tasks.table import record_specs, task_table
+
+RATE_HZ = 50.0
+
+
+class Stage:
+    """Both tasks on one database, without a supervisor."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.table = {task.name: task for task in task_table(settings)}
+        self.specs = record_specs(settings, tuple(self.table.values()), tuple(self.table))
+        self.block = create_block(self.specs)
+        self.events = {name: os.eventfd(0, os.EFD_NONBLOCK) for name in ("capture", "source")}
+        self.clock = MonotonicClock()
+        self.attachments: list[Attachment] = []
+
+    def start(self, name: str) -> Step:
+        """A task as its process would start it."""
+        woken = {"exposures/main": "capture", "source/main": "capture", "orders/main": "source"}
+        notify: dict[str, tuple[int, ...]] = {record: (self.events[other],) for record, other in woken.items()}
+        handed = HandDown(name, os.getpid(), 0, self.block, self.specs, self.events[name], notify, {})
+        attachment = Attachment(handed)
+        self.attachments.append(attachment)
+        start = {"capture": capture.start, "source": source.start}[name]
+        return start(Handle(self.table[name], attachment, self.settings))
+
+    def run(self, step: Step) -> Release:
+        """Call a task once."""
+        release = Release(self.clock.now(), self.clock.now())
+        while step(release) is False:
+            pass
+        return release
+
+    def close(self) -> None:
+        for descriptor in (self.block, *self.events.values()):
+            os.close(descriptor)
+
+
+@pytest.fixture
+def stage(tmp_path: Path) -> Iterator[Stage]:
+    """Three pictures that are told apart by their brightness."""
+    for number in range(3):
+        write_picture(tmp_path / f"{number}.png", np.full((480, 640, 3), 10 + number, dtype=np.uint8))
+    made = Stage(load_settings(options={"source.uri": f"file:{tmp_path}", "camera.rate_hz": RATE_HZ}))
+    yield made
+    made.close()
+
+
+class Background:
+    """The source, filling orders beside the test as its process would."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._step, self._stop = stage.start("source"), threading.Event()
+        self._stage = stage
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        while not self._stop.wait(0.001):
+            now = self._stage.clock.now()
+            self._step(Release(now, now))
+
+    def end(self) -> None:
+        self._stop.set()
+        self._thread.join()
+
+
+def test_images_come_in_order_on_a_grid(stage: Stage) -> None:
+    player = Background(stage)
+    try:
+        shoot = stage.start("capture")
+        frames = stage.attachments[-1].store.reader("frames/main")
+        levels, instants = [], []
+        for _ in range(6):
+            release = stage.run(shoot)
+            glance = frames.glance()
+            assert glance is not None
+            levels.append(glance.payload[0])
+            instants.append(glance.measured)
+            assert glance.written >= release.due >= glance.measured
+    finally:
+        player.end()
+    assert levels == [10, 11, 12, 10, 11, 12]
+    periods = [round((after - instants[0]) * RATE_HZ / 1e9, 6) for after in instants]
+    assert periods == sorted({round(period) for period in periods})
+
+
+def test_a_new_source_does_not_touch_what_is_published(stage: Stage) -> None:
+    player = Background(stage)
+    try:
+        shoot = stage.start("capture")
+        stage.run(shoot)
+    finally:
+        player.end()
+    exposures = stage.attachments[-1].store.reader("exposures/main")
+    before = exposures.sequence
+    again = stage.start("source")
+    assert again(Release(stage.clock.now(), stage.clock.now())) is False
+    assert exposures.sequence == before
+
+
+def test_a_new_source_fills_what_its_predecessor_left(stage: Stage) -> None:
+    stage.start("source")  # says what it is, and dies before the order comes
+    shoot = stage.start("capture")
+    waiting = threading.Thread(target=stage.run, args=(shoot,))
+    waiting.start()
+    player = Background(stage)
+    waiting.join(timeout=20.0)
+    player.end()
+    assert not waiting.is_alive()
+    assert stage.attachments[-1].store.reader("frames/main").sequence == 1
+
+
+def test_an_exposure_of_an_older_order_is_not_published(stage: Stage) -> None:
+    player = Background(stage)
+    try:
+        stage.run(stage.start("capture"))
+    finally:
+        player.end()
+    shoot = stage.start("capture")  # a successor: its first order has a new number
+    store = stage.attachments[-1].store
+    records.exposures("main").writer(store).write(Exposure(1), stage.clock.now(), stage.clock.now())
+    assert shoot(Release(stage.clock.now(), stage.clock.now())) is False
+    assert store.reader("frames/main").sequence == 1
+
+
+@pytest.mark.slow
+def test_the_simulated_camera_renders_to_order() -> None:
+    made = Stage(load_settings(options={"camera.rate_hz": RATE_HZ}))
+    player = Background(made)
+    try:
+        shoot = made.start("capture")
+        frames = made.attachments[-1].store.reader("frames/main")
+        seen = []
+        for _ in range(3):
+            made.run(shoot)
+            glance = frames.glance()
+            assert glance is not None
+            seen.append(bytes(glance.payload))
+        assert len(set(seen)) == 3
+    finally:
+        player.end()
+        made.close()
