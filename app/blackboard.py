@@ -25,6 +25,7 @@ from vision_core.rtdb.items import ItemReader, Timed
 from vision_core.rtdb.slots import READ_TRIES, Glance, SlotReader
 from vision_core.rtdb.store import Store
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
+from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 from vision_core.types.tracks import World
 from vision_core.types.views import Views
 
@@ -61,6 +62,10 @@ class Readings:
     source: Timed[SourceInfo] | None
     sightings: Timed[Sightings] | None
     obstacles: Timed[Obstacles] | None
+    boundary: Timed[Finding[FieldBoundary]] | None
+    lines: Timed[Finding[LineCheck]] | None
+    exposure: Timed[Finding[ExposureCheck]] | None
+    colors: Timed[Finding[ColorDrift]] | None
     diagnosis: Timed[Diagnosis] | None
     world: Timed[World] | None
     views: Timed[Views] | None
@@ -109,6 +114,10 @@ class Blackboard:
         self._source = records.source(camera.name).reader(store)
         self._sightings = records.sightings(camera.name).reader(store)
         self._obstacles = records.obstacles(camera.name).reader(store)
+        self._boundary = records.boundary(camera.name).reader(store)
+        self._lines = records.lines(camera.name).reader(store)
+        self._exposure = records.exposure(camera.name).reader(store)
+        self._colors = records.colors(camera.name).reader(store)
         self._diagnosis = records.diagnosis(camera.name).reader(store)
         self._world = records.WORLD.reader(store)
         self._views = records.VIEWS.reader(store)
@@ -138,6 +147,10 @@ class Blackboard:
             source=self._source.read(now),
             sightings=self._sightings.read(now),
             obstacles=self._obstacles.read(now),
+            boundary=self._boundary.read(now),
+            lines=self._lines.read(now),
+            exposure=self._exposure.read(now),
+            colors=self._colors.read(now),
             diagnosis=self._diagnosis.read(now),
             world=self._world.read(now),
             views=self._views.read(now),

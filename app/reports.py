@@ -1,15 +1,7 @@
-"""What ``/api/v1/status`` and the page tell about the service: models with a meaning in every field."""
-
-from collections.abc import Iterable
-from statistics import median
+"""What is told about the service: models with a meaning in every field. ``app.status`` fills them."""
 
 from pydantic import BaseModel, ConfigDict
 
-from app.blackboard import Readings
-from app.degradation import degradations
-from app.readiness import reasons_not_ready
-from vision_core.clock import seconds_between
-from vision_core.rtdb.infos import ClientInfo, ProcessInfo, SelfTest, Serving, SourceInfo
 from vision_core.types.objects import Team
 
 
@@ -26,6 +18,60 @@ class Source(Report):
     description: str
     repeats: bool
     """Images come round again: a still picture, or a recording in a loop."""
+
+
+class Boundary(Report):
+    """Where the field's carpet ends in the picture."""
+
+    age_s: float
+    """Of the image that was looked at."""
+    found: float
+    """Share of the directions in which an end is seen, of those in which one should be."""
+    error_px: float | None
+    """Median distance from where the venue has it, outward positive: a wrong scale; null: too little is seen."""
+    off_px: float | None
+    """Median of the same distances without their signs: a camera that was shifted or turned, too."""
+
+
+class Lines(Report):
+    """Whether painted lines are where the field and the camera say: a camera that was bumped shows here."""
+
+    age_s: float
+    """Of the image that was looked at."""
+    known: int
+    """Lines that can be judged; 0 where none are painted, or they are too thin."""
+    found: int
+    samples: float | None
+    """Share of their points at which there is paint; null where none is known."""
+    residual_px: float | None
+    """Median of how far each line found lies beside its place."""
+    outside: float
+    """Share of all lines' points outside of the picture."""
+
+
+class Exposure(Report):
+    """How light the field is [grey levels]; null where the picture shows nothing of it."""
+
+    age_s: float
+    """Of the image that was looked at."""
+    brightest: float | None
+    """All but 0.2 % of the field stay below it in their brightest channel."""
+    median_luma: float | None
+    white: float | None
+    """Share of the field in which a channel is at the sensor's end."""
+    reasons: list[str]
+    """What is wrong, in words."""
+
+
+class Colors(Report):
+    """How the light differs from the one that the colors were tuned in."""
+
+    age_s: float
+    """Of the image that was looked at."""
+    gain_bgr: tuple[float, float, float]
+    """What makes the picture look as in the venue's light: blue, green, red."""
+    reason: str
+    """Why that cannot be judged; empty when it can."""
 
 
 class Camera(Report):
@@ -51,6 +97,11 @@ class Camera(Report):
     """Things of robot size that nobody knows, where they were looked for last; 0 when nobody looks."""
     reasons: list[str]
     """Why nothing, or too little, is detected; looked into about once a second, and told for 5 s at most."""
+    boundary: Boundary | None
+    """null while nobody looks, as the next three."""
+    lines: Lines | None
+    exposure: Exposure | None
+    colors: Colors | None
 
 
 class Client(Report):
@@ -121,125 +172,3 @@ class Process(Report):
     restarts: int
     detail: str
     """The last reason for a restart, or the progress of the compiler."""
-
-
-class Status(Report):
-    """The whole service at one instant."""
-
-    version: str
-    ready: bool
-    reasons: list[str]
-    """Why it is not ready, in words; empty when it is."""
-    degraded: list[str]
-    """What is worse than it should be although robots are served: what the system refused, what is switched off."""
-    uptime_s: float
-    """Since the start of the service: the clients' Time."""
-    http: str
-    """Address of the page."""
-    udp: str
-    """Address where clients send their init."""
-    source: Source | None
-    """null before the camera's process has opened it."""
-    cameras: list[Camera]
-    clients: list[Client]
-    lags: Lags
-    refused: list[str]
-    """Requests of the last half minute that were refused, newest last."""
-    selftest: Machine | None
-    """null where none was made."""
-    processes: list[Process]
-
-
-def status_from(readings: Readings) -> Status:
-    """The report of what was read."""
-    service = readings.service
-    reasons = reasons_not_ready(readings)
-    serving = readings.serving.value if readings.serving and readings.serving.valid else None
-    source = readings.source.value if readings.source else None
-    return Status(
-        version=service.version,
-        ready=not reasons,
-        reasons=list(reasons),
-        degraded=list(degradations(readings)),
-        uptime_s=seconds_between(service.boot, readings.now),
-        http=service.http,
-        udp=service.udp,
-        source=_source(source) if source is not None else None,
-        cameras=[_camera(readings)],
-        clients=[_client(client, readings) for client in serving.clients] if serving else [],
-        lags=_lags(serving, service.settings.camera.shutter_delay_ms),
-        refused=list(serving.refused) if serving else [],
-        selftest=_machine(readings.self_test) if readings.self_test else None,
-        processes=[_process(process) for process in _processes(readings)],
-    )
-
-
-def _source(source: SourceInfo) -> Source:
-    return Source(uri=source.uri, description=source.description, repeats=source.repeats)
-
-
-def _lags(serving: Serving | None, shutter_delay_ms: float) -> Lags:
-    clients = serving.clients if serving else ()
-    served = serving is not None and any(client.rate_hz for client in clients)
-    return Lags(
-        server=Lag(median_ms=serving.lag_median_ms, max_ms=serving.lag_max_ms) if serving and served else None,
-        network=_reported(client.network_ms for client in clients),
-        client=_reported(client.client_ms for client in clients),
-        shutter_delay_ms=shutter_delay_ms,
-    )
-
-
-def _reported(lags_ms: Iterable[float | None]) -> Lag | None:
-    """Over the clients that report it."""
-    told = [lag_ms for lag_ms in lags_ms if lag_ms is not None]
-    return Lag(median_ms=median(told), max_ms=max(told)) if told else None
-
-
-def _machine(test: SelfTest) -> Machine:
-    return Machine(**{key: getattr(test, key) for key in Machine.model_fields})
-
-
-def _camera(readings: Readings) -> Camera:
-    camera = readings.service.settings.camera
-    capture = readings.tasks.get("capture")
-    seen = readings.sightings.value if readings.sightings and readings.sightings.valid else None
-    found = readings.obstacles.value if readings.obstacles and readings.obstacles.valid else None
-    told = readings.diagnosis.value if readings.diagnosis and readings.diagnosis.valid else None
-    return Camera(
-        name=camera.name,
-        width_px=camera.width_px,
-        height_px=camera.height_px,
-        shutter_delay_ms=camera.shutter_delay_ms,
-        rate_hz=camera.rate_hz,
-        measured_rate_hz=capture.value.rate_hz if capture and capture.valid else None,
-        frames=readings.frame.number if readings.frame else 0,
-        age_s=readings.frame.age_s if readings.frame else None,
-        robots=len(seen.robots) if seen else 0,
-        balls=len(seen.balls) if seen else 0,
-        obstacles=len(found.obstacles) if found else 0,
-        reasons=list(told.reasons) if told else [],
-    )
-
-
-def _client(client: ClientInfo, readings: Readings) -> Client:
-    return Client(
-        team=client.team,
-        number=client.number,
-        address=client.address,
-        port=client.port,
-        connected_s=seconds_between(client.since, readings.now),
-        sent=client.sent,
-        dropped=client.dropped,
-        rate_hz=client.rate_hz,
-        mean_rank=client.mean_rank,
-        network_ms=client.network_ms,
-        client_ms=client.client_ms,
-    )
-
-
-def _processes(readings: Readings) -> tuple[ProcessInfo, ...]:
-    return readings.processes.value.processes if readings.processes else ()
-
-
-def _process(process: ProcessInfo) -> Process:
-    return Process(**{key: getattr(process, key) for key in Process.model_fields})

@@ -5,8 +5,8 @@ keeps time, reads shared memory without locks, and no writer ever waits for it. 
 a thread and only while somebody looks.
 
 Files, outside-in: ``web_process`` (entry), this factory, ``routes`` (HTTP), ``live`` (WebSocket),
-``turns``, ``reports``, ``task_report``, ``timing``, ``metrics``, ``readiness`` and ``degradation`` (what is told),
-``proposals`` (what is wanted of tasks), ``blackboard`` (what is read).
+``turns``, ``status``, ``reports``, ``task_report``, ``timing``, ``metrics``, ``readiness`` and ``degradation``
+(what is told), ``proposals`` (what is wanted of tasks), ``blackboard`` (what is read).
 """
 
 import asyncio

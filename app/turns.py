@@ -14,7 +14,7 @@ import msgspec
 
 from app.blackboard import Blackboard, Picture
 from app.field_report import Outlines, Points
-from app.reports import status_from
+from app.status import status_from
 from app.task_report import tasks_from
 from app.timing import timing_from
 from vision_core.clock import Instant, seconds_between

@@ -5,7 +5,7 @@ from fastapi import APIRouter, HTTPException, Response
 from app.blackboard import Blackboard
 from app.field_report import Field, field_from
 from app.problems import MEDIA_TYPE, Problem
-from app.reports import Status, status_from
+from app.status import Status, status_from
 from vision_core.opencv import encode_jpeg
 
 SNAPSHOT_QUALITY = 92

@@ -16,10 +16,20 @@ import uvicorn
 
 from app.server import create_app
 from tests.app.fake_picture import FakePicture, Pose
-from tests.app.fake_tasks import SPARES, Condition, lags_of, process_infos, self_test, task_info, timing_of
+from tests.app.fake_tasks import (
+    SPARES,
+    Condition,
+    clients_of,
+    findings,
+    lags_of,
+    process_infos,
+    self_test,
+    task_info,
+    timing_of,
+)
 from vision_core.clock import Instant, MonotonicClock, after
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import ClientInfo, Processes, Proposal, ServiceInfo, Serving, SourceInfo
+from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, SourceInfo
 from vision_core.rtdb.items import Item, T
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings import Settings
@@ -130,11 +140,16 @@ class FakeService:
         self.put(records.sightings(CAMERA), self._sightings(poses, ball, grabbed), grabbed)
         self.put(records.obstacles(CAMERA), self._obstacles(grabbed), grabbed)
         self.put(records.diagnosis(CAMERA), Diagnosis(CAMERA, self._frames, grabbed, self.scene.reasons), grabbed)
+        for item, finding in findings(CAMERA, self._frames, grabbed):
+            self.put(item, finding, grabbed)
         world = self._world(poses, ball, grabbed)
         self.put(records.WORLD, world, grabbed)
         self._messages.write(WorldTable.of(world), ())
         self.put(records.VIEWS, self._messages.views.record(), grabbed)
-        self.put(records.SERVING, self._serving())
+        clients = clients_of(
+            self.scene.condition, self.scene.clients, self.settings.match.numbers, self._frames, self.boot
+        )
+        self.put(records.SERVING, Serving(clients, 12.4, 19.8, ()))
         self._put_bytes(records.LAG_HISTOGRAMS.name, lags_of(self.scene.condition))
 
     def start(self) -> None:
@@ -208,26 +223,6 @@ class FakeService:
             robots = (replace(robots[0], id=None, heading_rad=0.0, heading_sd_rad=1.8), *robots[1:])
         things = tuple(ObstacleTrack(x, y, 0.0, 0.0, radius, grabbed) for x, y, radius in self._things())
         return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed), things)
-
-    def _serving(self) -> Serving:
-        per_team = self.settings.match.numbers
-        clients = tuple(
-            ClientInfo(
-                team=Team.BLUE if index < per_team else Team.YELLOW,
-                number=index % per_team + 1,
-                address="127.0.0.1",
-                port=50000 + index,
-                since=self.boot,
-                sent=self._frames,
-                dropped=3 if index == 2 else 0,
-                rate_hz=30.0,
-                mean_rank=0.48 + 0.004 * index,
-                network_ms=0.1 + 0.01 * index if self.scene.condition.reporting and index != 1 else None,
-                client_ms=2.0 if self.scene.condition.reporting and index != 1 else None,
-            )
-            for index in range(self.scene.clients)
-        )
-        return Serving(clients, 12.4, 19.8, ())
 
 
 class PageServer:

@@ -1,17 +1,23 @@
 """What the tasks and processes of a fake service say of themselves: it obeys proposals as the real one does."""
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Any
 
 import numpy as np
 
-from vision_core.clock import NS_PER_MS
+from vision_core.clock import NS_PER_MS, Instant
 from vision_core.histogram import Histograms
-from vision_core.rtdb.infos import LAGS, TIMINGS, ProcessInfo, Proposal, SelfTest, TaskInfo
+from vision_core.rtdb import records
+from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, Proposal, SelfTest, TaskInfo
+from vision_core.rtdb.items import Item
 from vision_core.scheduling.executive import with_proposal
 from vision_core.scheduling.task import Task
+from vision_core.types.objects import Team
+from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 
 RESPONSES_MS = {"capture": 0.08, "perceive": 1.9, "serve": 1.1, "source": 9.0, "obstacles": 8.0, "lines": 6.0}
 """Median; 3 where nothing is said."""
@@ -101,6 +107,37 @@ def lags_of(condition: Condition) -> bytes:
     """Histograms of the lags: B and C only when clients report them."""
     reported = {"network": 0.12, "client": 2.0} if condition.reporting else {}
     return _drawn(LAGS, {"server": 12.4, **reported})
+
+
+def clients_of(condition: Condition, count: int, per_team: int, sent: int, since: Instant) -> tuple[ClientInfo, ...]:
+    """A count of clients, of which the second reports nothing."""
+    return tuple(
+        ClientInfo(
+            team=Team.BLUE if index < per_team else Team.YELLOW,
+            number=index % per_team + 1,
+            address="127.0.0.1",
+            port=50000 + index,
+            since=since,
+            sent=sent,
+            dropped=3 if index == 2 else 0,
+            rate_hz=RATE_HZ,
+            mean_rank=0.48 + 0.004 * index,
+            network_ms=0.1 + 0.01 * index if condition.reporting and index != 1 else None,
+            client_ms=2.0 if condition.reporting and index != 1 else None,
+        )
+        for index in range(count)
+    )
+
+
+def findings(camera: str, number: int, grabbed: Instant) -> list[tuple[Item[Any], Finding[Any]]]:
+    """What the slow trackers find in one frame of a camera that nobody has bumped, and their records."""
+    found = (
+        (records.boundary, FieldBoundary(((10.0, 12.0), (math.nan, math.nan)), (0.9, 0.0), 0.94, 0.3, 0.6)),
+        (records.lines, LineCheck(12, 11, 0.97, 0.4, 0.0)),
+        (records.exposure, ExposureCheck(231.0, 88.0, 0.001, ())),
+        (records.colors, ColorDrift((1.02, 1.0, 0.97), "")),
+    )
+    return [(item(camera), Finding(camera, number, grabbed, value)) for item, value in found]
 
 
 def _drawn(names: tuple[str, ...], middles_ms: dict[str, float]) -> bytes:

@@ -8,7 +8,7 @@ import pytest
 
 from app.blackboard import Blackboard
 from app.problems import MEDIA_TYPE
-from app.reports import status_from
+from app.status import status_from
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
 from tests.app.fake_tasks import Condition
 from vision_core.clock import after
@@ -68,7 +68,7 @@ def test_not_ready_while_compiling() -> None:
     assert response.json() == {"ready": False, "reasons": ["compiling: 3 of 7: label pixels"], "degraded": []}
     assert status["ready"] is False
     assert status["source"] is None
-    assert status["cameras"][0]["age_s"] is None
+    assert status["cameras"][0]["age_s"] is status["cameras"][0]["lines"] is None
     assert status["clients"] == []
     assert snapshot.status_code == 503
     assert snapshot.headers["content-type"] == MEDIA_TYPE
@@ -84,6 +84,14 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
     assert (camera["name"], camera["width_px"], camera["height_px"]) == ("main", 640, 480)
     assert (camera["robots"], camera["balls"], camera["obstacles"], camera["measured_rate_hz"]) == (10, 1, 2, 30.0)
     assert 0.0 <= camera["age_s"] < 5.0
+    watched = {name: camera[name] for name in ("boundary", "lines", "exposure", "colors")}
+    assert all(0.0 <= finding.pop("age_s") < 5.0 for finding in watched.values())
+    assert watched == {
+        "boundary": {"found": 0.94, "error_px": 0.3, "off_px": 0.6},
+        "lines": {"known": 12, "found": 11, "samples": 0.97, "residual_px": 0.4, "outside": 0.0},
+        "exposure": {"brightest": 231.0, "median_luma": 88.0, "white": 0.001, "reasons": []},
+        "colors": {"gain_bgr": [1.02, 1.0, 0.97], "reason": ""},
+    }
     assert len(status["clients"]) == 10
     assert status["clients"][2]["dropped"] == 3
     assert (status["clients"][0]["network_ms"], status["clients"][1]["network_ms"]) == (0.1, None)
