@@ -11,7 +11,7 @@ import tempfile
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,11 @@ class RunningService:
     process: subprocess.Popen[str]
     http: str
     udp_port: int
+
+    @property
+    def control(self) -> str:
+        """Name of its control socket, for ``vision_core.rtdb.control``."""
+        return f"pslv/{self.http.rpartition(':')[2]}"
 
     def get(self, path: str) -> tuple[int, Any]:
         """Status code and decoded JSON (or bytes) of a page."""
@@ -49,10 +54,17 @@ class RunningService:
 
 
 @contextlib.contextmanager
-def running_service(*options: str, data_folder: Path | None = None) -> Iterator[RunningService]:
-    """A service on free ports, ready; ended when the block ends, whatever happens in it."""
+def running_service(
+    *options: str, data_folder: Path | None = None, variables: Mapping[str, str] | None = None
+) -> Iterator[RunningService]:
+    """A service on free ports, ready; ended when the block ends, whatever happens in it.
+
+    variables: of its environment, beside ours.
+    """
     with tempfile.TemporaryFile("w+") as log:
-        environment = os.environ | ({"PSLV_DATA_DIR": str(data_folder)} if data_folder else {})
+        environment = {**os.environ, **(variables or {})}
+        if data_folder is not None:
+            environment["PSLV_DATA_DIR"] = str(data_folder)
         process = subprocess.Popen(
             [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options],
             cwd=Path(__file__).resolve().parents[1],
@@ -70,6 +82,15 @@ def running_service(*options: str, data_folder: Path | None = None) -> Iterator[
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+
+
+@contextlib.contextmanager
+def configured(text: str) -> Iterator[str]:
+    """A settings file for the service's ``--config``, there while the block runs; yields its path."""
+    with tempfile.TemporaryDirectory(prefix="pslv-bench-") as folder:
+        path = Path(folder) / "bench.toml"
+        path.write_text(text, encoding="utf-8")
+        yield str(path)
 
 
 def is_alive(pid: int) -> bool:

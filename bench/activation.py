@@ -1,0 +1,186 @@
+"""Activation of tasks of 50 ms: ours in the running service, and a program in C for each of them in the same run.
+
+Five tasks of five priorities run in processes of their own in the real service, beside the vision. For each there is a
+twin in C (``twins/activation.c``) of the same period and priority, halfway between two of ours in time. The camera's
+29.97 Hz fit into no period, so that its frames pass through all of them, ours and the twins', within half a minute.
+What counts is the interval between two activations, as each program reads the clock itself: the standard deviation of
+the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart.
+"""
+
+import contextlib
+import json
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.activation_task import FOLDER, begins_of
+from bench.companions import busy_cores, sit_out
+from bench.runner import Row
+from bench.service import configured, running_service
+from bench.twins.build import build_program
+from vision_core.clock import NS_PER_MS, NS_PER_S, MonotonicClock
+from vision_core.geometry import Floats
+from vision_core.rtdb import records
+from vision_core.rtdb.control import Attached, attach_to
+
+PERIOD_MS = 50
+CENTRAL = 0.99
+GOAL_RATIO, GOAL_US = 1.2, 100.0
+SETTLE_S = 3.0
+TWIN_PATIENCE_S = 10.0
+TWIN_AFTER_MS = 5
+CAMERA_HZ = 29.97
+NS_PER_US = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """One of our tasks."""
+
+    name: str
+    priority: int
+    offset_ms: int
+
+    @property
+    def setting(self) -> str:
+        """Its line of the service's settings."""
+        times = f"period_ms = {PERIOD_MS}.0, offset_ms = {self.offset_ms}.0, priority = {self.priority}"
+        return f'{self.name} = {{ module = "bench.activation_task", {times}, budget_ms = 1.0 }}'
+
+
+TASKS = tuple(
+    Timed(f"bench{priority}", priority, offset_ms)
+    for priority, offset_ms in ((30, 31), (31, 41), (32, 1), (33, 11), (34, 21))
+)
+"""Boundary, of priority 30 as well, begins 13 ms into every other of these periods: none of ours meets it as a peer."""
+SETTINGS = "\n".join([f"camera.rate_hz = {CAMERA_HZ}", "[tasks]", *(task.setting for task in TASKS)])
+
+
+@dataclass(frozen=True, slots=True)
+class Regularity:
+    """The intervals between activations, of one or several tasks together."""
+
+    intervals: int
+    deviation_us: float
+    """Standard deviation of the central ones."""
+    excluded: int
+    worst_us: float
+    """How far the worst of the excluded is from the period."""
+    skipped: int
+    """Releases without a run."""
+
+
+def regularity_of(activations: list[Floats]) -> Regularity:
+    """What the instants of activations tell [ns]; one array for each task, each over the same stretch of time."""
+    intervals = np.concatenate([np.diff(instants) for instants in activations]) / NS_PER_US
+    away = np.sort(np.abs(intervals - PERIOD_MS * NS_PER_MS / NS_PER_US))
+    ordered = np.sort(intervals)
+    beyond = round(len(ordered) * (1.0 - CENTRAL) / 2.0)
+    central = ordered[beyond : len(ordered) - beyond]
+    skipped = np.round(intervals / (PERIOD_MS * NS_PER_MS / NS_PER_US)) - 1.0
+    return Regularity(len(intervals), float(central.std()), 2 * beyond, float(away[-1]), int(skipped.clip(0.0).sum()))
+
+
+def run(seconds: float = 60.0) -> list[Row]:
+    """Without load and with it; seconds: how long each lasts."""
+    program, word = build_program("activation")
+    rows: list[Row] = [] if program else [{"name": word}]
+    with contextlib.ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pslv-bench-")))
+        path = stack.enter_context(configured(SETTINGS))
+        service = stack.enter_context(running_service("--config", path, variables={FOLDER: str(folder)}))
+        attached = attach_to(service.control)
+        stack.callback(attached.close)
+        sit_out(SETTLE_S, "activation: settling")
+        rows += _measure(attached, folder, program, seconds, "unloaded", GOAL_US)
+        with busy_cores() as cores:
+            name = f"{cores} busy processes on {cores} cores"
+            rows += _measure(attached, folder, program, seconds, name, None)
+        rows += _policies(attached)
+    return rows
+
+
+def _measure(
+    attached: Attached, folder: Path, program: Path | None, seconds: float, load: str, goal_us: float | None
+) -> list[Row]:
+    """Ours and the twins over the same stretch of time."""
+    with contextlib.ExitStack() as stack:
+        twins = []
+        if program is not None:
+            for task in TASKS:
+                twins.append(_twin(program, task, attached.boot, seconds))
+                stack.callback(_end, twins[-1])
+        start = MonotonicClock().now()
+        sit_out(seconds, f"activation, {load}")
+        end = MonotonicClock().now()
+        reports = [json.loads(twin.communicate(timeout=TWIN_PATIENCE_S)[0]) for twin in twins]
+    ours = [_within(begins_of(folder / task.name).astype(np.float64), start, end) for task in TASKS]
+    theirs = [_within(np.array(report["wakes_ns"], dtype=np.float64), start, end) for report in reports]
+    rows = _rows(load, regularity_of(ours), regularity_of(theirs) if theirs else None, goal_us)
+    return [*rows, *_twin_rows(load, reports)]
+
+
+def _twin(program: Path, task: Timed, boot: int, seconds: float) -> "subprocess.Popen[str]":
+    """A twin whose grid lies TWIN_AFTER_MS behind that of its task."""
+    period, now = PERIOD_MS * NS_PER_MS, MonotonicClock().now()
+    origin = boot + (task.offset_ms + TWIN_AFTER_MS) * NS_PER_MS
+    first = origin + ((now - origin) // period + 2) * period
+    count = round(seconds * NS_PER_S / period)
+    command = [str(program), str(period), str(count), str(task.priority), str(first)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+
+
+def _end(twin: "subprocess.Popen[str]") -> None:
+    twin.kill()
+    twin.wait()
+
+
+def _within(instants: Floats, start: int, end: int) -> Floats:
+    return instants[(instants >= start) & (instants <= end)]
+
+
+def _rows(load: str, ours: Regularity, twin: Regularity | None, goal_us: float | None) -> list[Row]:
+    """Ours and the twins', side by side."""
+
+    def row(name: str, key: str, unit: str) -> Row:
+        return {"name": f"{load}: {name}", "value": getattr(ours, key), "unit": unit, "twin": getattr(twin, key, None)}
+
+    deviation = row(f"standard deviation of the central {CENTRAL * 100:g} %", "deviation_us", "us")
+    if twin is not None:
+        ratio = ours.deviation_us / max(twin.deviation_us, 1e-9)
+        deviation |= {"ratio": ratio, "goal": f"<= {GOAL_RATIO}x", "met": ratio <= GOAL_RATIO}
+    rows = [deviation]
+    if goal_us is not None:
+        goal = {"goal": f"<= {goal_us:g} us", "met": ours.deviation_us <= goal_us}
+        rows.append(row("the same, by itself", "deviation_us", "us") | {"twin": None} | goal)
+    return [
+        *rows,
+        row("intervals", "intervals", ""),
+        row("activations excluded", "excluded", ""),
+        row("worst of the excluded, off the period by", "worst_us", "us"),
+        row("releases without a run", "skipped", ""),
+    ]
+
+
+def _twin_rows(load: str, reports: list[dict[str, Any]]) -> list[Row]:
+    said = {f"{report['policy']}, {_refusal(report)}" for report in reports}
+    return [{"name": f"{load}: twins in C run under {'; '.join(sorted(said))}"}] if said else []
+
+
+def _refusal(report: dict[str, Any]) -> str:
+    return f"{report['refused']} refused" if report["refused"] else "memory locked"
+
+
+def _policies(attached: Attached) -> list[Row]:
+    """What the service says of our tasks, and of the camera."""
+    rows: list[Row] = []
+    now = MonotonicClock().now()
+    for task in TASKS:
+        info = records.task(task.name).reader(attached.store).value(now)
+        refused = f" ({info.refused})" if info.refused else ""
+        rows.append({"name": f"{task.name}, every {PERIOD_MS} ms + {task.offset_ms}: {info.policy}{refused}"})
+    return [*rows, {"name": f"beside the vision at a camera of {CAMERA_HZ} Hz"}]

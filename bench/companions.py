@@ -1,0 +1,111 @@
+"""Processes beside a measurement: each says that it is ready, works until its standard input ends, and prints JSON.
+
+They keep time as well as they may: ``keep_time`` asks for SCHED_FIFO and says what came of it.
+"""
+
+import contextlib
+import gc
+import json
+import os
+import select
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Self
+
+from rich.console import Console
+from rich.progress import track
+
+from vision_core.clock import MonotonicClock, after, seconds_between
+from vision_core.scheduling.realtime import ask_priority, exact_timers
+
+ROOT = Path(__file__).parents[1]
+READY = "ready"
+BELOW_SERVE = 38
+"""Real-time priority of who watches the pipeline: below everything between a frame and its datagrams."""
+STEP_S = 0.5
+BUSY = "while True: pass"
+
+Report = dict[str, Any]
+
+
+class Companion:
+    """A module that runs beside a measurement: ``python -m MODULE ARGUMENTS``."""
+
+    def __init__(self, module: str, *arguments: object) -> None:
+        """Start it and wait until it is ready. Raises RuntimeError when it never is."""
+        command = [sys.executable, "-m", module, *map(str, arguments)]
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, cwd=ROOT)
+        assert self.process.stdout is not None
+        if (said := self.process.stdout.readline().strip()) != READY:
+            self.kill()
+            raise RuntimeError(f"{module} should say {READY!r}; it said {said!r}")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.kill()
+
+    def tell(self, line: str) -> None:
+        """Say one line to it."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+
+    def finish(self) -> Report:
+        """End its work; what it found. Raises RuntimeError when it failed."""
+        said, _ = self.process.communicate()
+        if self.process.returncode:
+            raise RuntimeError(f"{self.process.args!r} ended with {self.process.returncode}; 0 was expected")
+        found: Report = json.loads(said)
+        return found
+
+    def kill(self) -> None:
+        """End it, whatever it does."""
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                pipe.close()
+
+
+def keep_time(priority: int) -> str:
+    """Ask for real-time priority, and have no garbage looked for; the policy that was obtained."""
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    exact_timers()
+    standing = ask_priority(priority)
+    return f"{standing.policy} ({standing.refused})" if standing.refused else standing.policy
+
+
+def told_to_end(timeout_s: float = 0.0) -> bool:
+    """Has standard input ended? Waits for it up to a timeout [s]."""
+    return bool(select.select([sys.stdin], [], [], timeout_s)[0])
+
+
+@contextlib.contextmanager
+def busy_cores() -> Iterator[int]:
+    """Full background load: one ordinary process that never rests on each core; yields how many they are."""
+    cores = sorted(os.sched_getaffinity(0))
+    with contextlib.ExitStack() as stack:
+        for core in cores:
+            process = stack.enter_context(subprocess.Popen([sys.executable, "-c", BUSY]))
+            stack.callback(process.kill)
+            os.sched_setaffinity(process.pid, {core})
+        yield len(cores)
+
+
+def sit_out(duration_s: float, what: str) -> None:
+    """Let a measurement last [s]; a terminal sees how far it is."""
+    clock = MonotonicClock()
+    end = after(clock.now(), duration_s)
+    steps = range(max(round(duration_s / STEP_S), 1))
+    console = Console(stderr=True)
+    wake = select.poll()
+    for _ in track(steps, what, console=console, disable=not console.is_terminal, transient=True):
+        wake.poll(max(min(seconds_between(clock.now(), end), STEP_S), 0.0) * 1e3)
+    wake.poll(max(seconds_between(clock.now(), end), 0.0) * 1e3)
