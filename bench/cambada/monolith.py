@@ -1,0 +1,69 @@
+"""The monolithic architecture: one loop takes the newest frame and looks for everything in it, one after the other.
+
+    python -m bench.cambada.monolith VENUE SECONDS PRIORITY FOLDER
+
+A frame that comes while the loop is busy is taken as soon as it is done, unless a newer one has come: then it is
+skipped. PRIORITY 0 is an ordinary process, as the paper's loops were. Saves the diaries ``loop`` and ``loop's Ball_Om``
+in FOLDER and prints the policy that it has got.
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from bench.cambada.detectors import DETECTORS, Detector, detector_of
+from bench.cambada.diary import Diary
+from bench.cambada.paper import RATE_HZ
+from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
+from vision_core.geometry import Bytes
+from vision_core.opencv import read_picture
+from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory
+from vision_core.settings_files import load_settings
+
+LOOP, BALL = "loop", "loop's Ball_Om"
+PERIOD_NS = round(NS_PER_S / RATE_HZ)
+
+
+def main() -> None:
+    """Run for some seconds."""
+    venue, seconds, priority, folder = sys.argv[1:]
+    settings = load_settings(venue=venue)
+    film = [read_picture(path) for path in sorted(Path(settings.source.uri.partition(":")[2]).iterdir())]
+    detectors = {name: detector_of(name, settings) for name in DETECTORS}
+    freeze_garbage()
+    exact_timers()
+    if int(priority):
+        lock_memory()
+    standing = ask_priority(int(priority))
+    print(standing.policy)
+    for name, diary in run(film, detectors, float(seconds)).items():
+        diary.save(Path(folder), name)
+
+
+def run(film: list[Bytes], detectors: dict[str, Detector], seconds: float) -> dict[str, Diary]:
+    """Loop for some seconds [s] over a film that comes at the paper's rate, again and again."""
+    clock = MonotonicClock()
+    diaries = {LOOP: Diary(), BALL: Diary()}
+    copy = np.empty_like(film[0])
+    origin, number = clock.now(), -1
+    while seconds_between(origin, clock.now()) < seconds:
+        number = max(number + 1, (clock.now() - origin) // PERIOD_NS)
+        due = Instant(origin + number * PERIOD_NS)
+        while (now := clock.now()) < due:
+            time.sleep(seconds_between(now, due))
+        np.copyto(copy, film[number % len(film)])
+        found_any = False
+        for name, detector in detectors.items():
+            began = clock.now()
+            found = detector.look(copy, due) is not None
+            found_any |= found
+            if name == "Ball_Om":
+                diaries[BALL].note(due, began, clock.now(), number, found=found)
+        diaries[LOOP].note(due, now, clock.now(), number, found=found_any)
+    return diaries
+
+
+if __name__ == "__main__":
+    main()

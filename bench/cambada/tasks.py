@@ -1,0 +1,51 @@
+"""Tasks: images -> where a thing is. One module for all: the task's name says which detector it is.
+
+Each run copies the newest image into memory of its own, looks at it, and writes ``cambada/<name>``. When the process
+ends it saves its diary.
+"""
+
+import atexit
+from dataclasses import dataclass
+
+import msgspec
+
+from bench.cambada.detectors import Places, detector_of
+from bench.cambada.diary import Diary
+from bench.cambada.venue import diaries_of
+from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.releases import Release
+from vision_core.tasks.images import Images
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a task writes, as msgpack."""
+
+    image: int
+    """Number of the image that it looked at."""
+    places: Places | None
+    """None: the thing was not there."""
+
+
+def start(handle: Handle) -> Step:
+    """Make the detector. Raises KeyError for a task that the paper lacks."""
+    detector = detector_of(handle.task.name, handle.settings)
+    images = Images(handle)
+    (record,) = handle.task.writes
+    findings = handle.slots_to_fill(record)
+    encoder = msgspec.msgpack.Encoder()
+    diary = Diary()
+    atexit.register(diary.save, diaries_of(handle.settings.source.uri), handle.task.name)
+
+    def step(release: Release) -> bool:
+        began = handle.clock.now()
+        image = images.newest()
+        if image is None:
+            return False
+        places = detector.look(image.pixels, image.grabbed)
+        done = handle.clock.now()
+        findings.write(encoder.encode(Finding(image.number, places)), image.grabbed, done)
+        diary.note(release.due, began, done, image.number, found=places is not None)
+        return True
+
+    return step
