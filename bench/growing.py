@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.accuracy import settings_of
+from bench.charts import BLUE, Panel, Series, draw_panels
 from bench.runner import OUT, Row
 from vision_core.blobs.growing import (
     color_of_classes,
@@ -35,7 +36,7 @@ from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.color.spaces import ycc_from_bgr
 from vision_core.geometry import Bytes, Floats
-from vision_core.opencv import Color, draw_line, draw_text, write_picture
+from vision_core.opencv import write_picture
 from vision_core.settings import Settings
 from vision_core.settings_models import camera_model_from
 from vision_core.types.colors import ColorTable
@@ -57,8 +58,6 @@ SAME_GOAL = 0.99
 SEED_PX = 1.0
 """A seed's region may differ from the class's by its rim."""
 BINS = 20
-WHITE: Color = (255, 255, 255)
-BLUE: Color = (200, 120, 40)
 
 Place = tuple[float, float, float] | None
 """Area and centroid of what was found."""
@@ -307,22 +306,15 @@ def histogram(measured: Measured) -> tuple[list[float], list[int]]:
 def draw_histogram(path: Path, measured: Measured, size: str) -> None:
     """A picture as the paper's figure 3."""
     edges, counts = histogram(measured)
-    image = np.full((420, 760, 3), 32, dtype=np.uint8)
-    left, bottom, height, pitch = 60.0, 350.0, 280.0, 33.0
-    most = max(counts)
-    for index, count in enumerate(counts):
-        x = left + pitch * (index + 0.5)
-        if count:
-            image[round(bottom - height * count / most) : round(bottom), round(x) - 13 : round(x) + 14] = BLUE
-            draw_text(image, str(count), (x - 10.0, bottom - height * count / most - 6.0), WHITE, 0.4)
-        draw_text(image, f"{edges[index]:.0f}", (left + pitch * index - 6.0, bottom + 18.0), WHITE, 0.35)
-    draw_line(image, (left, bottom), (left + pitch * BINS, bottom), WHITE)
-    draw_text(
-        image, "time of the ball's tracker [us]; the last bin holds all that took longer", (left, 395.0), WHITE, 0.45
+    panel = Panel(
+        title=f"{measured.frames} frames, the ball covered in {sum(measured.covered)}",
+        axis="time of the ball's tracker [us]; the last bin holds all that took longer",
+        edges=tuple(edges),
+        series=(Series("ball", tuple(counts), BLUE),),
+        numbered=True,
+        counted="frames",
     )
-    title = f"region growing, {size}, {measured.frames} frames, the ball covered in {sum(measured.covered)}"
-    draw_text(image, title, (left, 30.0), WHITE, 0.5)
-    write_picture(path, image)
+    write_picture(path, draw_panels([panel], f"region growing, {size}", 1, (860, 420)))
 
 
 if __name__ == "__main__":
