@@ -12,10 +12,11 @@ Starting Python with all that a child needs takes seconds. So there are warm spa
 everything, and become whichever child is missing when they are told which. A new spare is made when all is quiet.
 
 The supervisor itself only waits, so it may ask for the highest real-time priority: load delays no restart. When it was
-delayed all the same, the machine stood still, and a child's silence is counted from then on only.
+delayed all the same, the machine stood still, and a child's silence is counted from then on only. Nor does a child
+hang that only waits for a processor.
 
 Rules: standard library only; it never decodes what the tasks write, and never imports a stage.
 
 Files, outside-in: ``service`` (the loop), ``control`` (the socket for requests), ``spares`` (the warm ones),
-``child`` (one process), ``plan`` (what to start).
+``child`` (one process), ``vitals`` (is it stuck or starved?), ``plan`` (what to start).
 """

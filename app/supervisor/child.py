@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from app.supervisor.plan import ChildPlan
+from app.supervisor.vitals import time_spent, wants_to_run
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import VARIABLE, HandDown
 from vision_core.rtdb.slots import SlotReader
@@ -45,6 +46,8 @@ class Child:
     """For the first beat."""
     beaten: int = 0
     """When it last said that it lives [ns]; 0: not since its start."""
+    spent: int | None = None
+    """What it had used of the processors when its beat had stayed away for too long [ns]."""
     killed: bool = False
     """It did not answer and was sent SIGKILL."""
     due: int = 0
@@ -136,11 +139,22 @@ class Child:
                 self.state = "running"
 
     def is_silent(self, now: int, watched: int) -> bool:
-        """Has its beat stayed away for too long? watched: since when it would have been noticed [ns]."""
-        if self.plan.once and self.beaten:
+        """Has its beat stayed away for too long? watched: since when it would have been noticed [ns].
+
+        Who waits for a processor is not silent: that one is given the same time again, of the processor.
+        """
+        if self.pid is None or (self.plan.once and self.beaten):
             return False
-        patience_s = self.plan.heartbeat_s if self.beaten else self.patience_s
-        return now - max(self.beaten, self.started, watched) > patience_s * NS_PER_S
+        patience_ns = (self.plan.heartbeat_s if self.beaten else self.patience_s) * NS_PER_S
+        if now - max(self.beaten, self.started, watched) <= patience_ns:
+            self.spent = None
+            return False
+        if not wants_to_run(self.pid):
+            return True
+        spent = time_spent(self.pid)
+        if self.spent is None:
+            self.spent = spent
+        return spent - self.spent > patience_ns
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal if the process still runs."""
@@ -158,7 +172,7 @@ class Child:
     def _adopt(self, process: subprocess.Popen[bytes], pidfd: int, now: int, patience_s: float) -> None:
         self.process, self.pidfd = process, pidfd
         self.started, self.patience_s = now, patience_s
-        self.beaten, self.killed = 0, False
+        self.beaten, self.spent, self.killed = 0, None, False
         self.state = "starting"
 
     def _failed(self, now: int, how: str) -> None:

@@ -18,6 +18,8 @@ def main() -> None:
     while not attachment.stopping or name == "deaf":
         attachment.beat(monotonic())
         time.sleep(0.02)
+        while name == "looper":
+            pass
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from vision_core.rtdb.control import attach_to, restart
 
 Table = dict[str, dict[str, Any]]
 PATIENCE_S = 30.0
+BUSY = "import os; os.sched_setaffinity(0, {core})\nwhile True: pass"
 SPARES = ("spare-1", "spare-2")
 
 
@@ -232,6 +233,29 @@ def test_nobody_is_killed_for_a_silence_of_the_whole_machine() -> None:
         began = time.monotonic()
         table = started.until(lambda _table: time.monotonic() - began > 1.0)
         assert (table["one"]["pid"], table["one"]["restarts"]) == (pid, 0)
+
+
+@pytest.mark.slow
+def test_who_waits_for_a_processor_does_not_hang() -> None:
+    with service("one") as started:
+        pid = started.running("one")["one"]["pid"]
+        core = {min(os.sched_getaffinity(0))}
+        os.sched_setaffinity(pid, core)
+        os.sched_setscheduler(pid, os.SCHED_IDLE, os.sched_param(0))
+        busy = [subprocess.Popen([sys.executable, "-c", BUSY.format(core=core)]) for _ in range(3)]
+        began = time.monotonic()
+        table = started.until(lambda _table: time.monotonic() - began > 3.0)
+        for process in busy:
+            process.kill()
+            process.wait()
+        assert (table["one"]["pid"], table["one"]["restarts"]) == (pid, 0)
+
+
+@pytest.mark.slow
+def test_who_runs_without_end_hangs() -> None:
+    with service("looper") as started:
+        started.until(lambda table: table["looper"]["restarts"] == 1)
+        assert any("looper does not answer" in line for line in started.news)
 
 
 @pytest.mark.slow
