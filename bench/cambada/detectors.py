@@ -203,16 +203,16 @@ def _keepers_line(settings: Settings) -> Detector:
 
 
 DETECTORS: dict[str, Callable[[Settings], Detector]] = {
-    "Avoid_Om": ObstacleDetector,
-    "Avoid_Fr": BoundaryDetector,
-    "Ball_Om": BallDetector,
-    "Ball_Fr": WholePictureDetector,
-    "KGoal": _keepers_line,
-    "BGoal": lambda settings: GoalDetector(settings, _blue_side(settings)),
-    "YGoal": lambda settings: GoalDetector(settings, -_blue_side(settings)),
-    "Line": _all_lines,
-    "BPost": lambda settings: CornerDetector(settings, _blue_side(settings)),
-    "YPost": lambda settings: CornerDetector(settings, -_blue_side(settings)),
+    "avoid_om": ObstacleDetector,
+    "avoid_fr": BoundaryDetector,
+    "ball_om": BallDetector,
+    "ball_fr": WholePictureDetector,
+    "kgoal": _keepers_line,
+    "bgoal": lambda settings: GoalDetector(settings, _blue_side(settings)),
+    "ygoal": lambda settings: GoalDetector(settings, -_blue_side(settings)),
+    "line": _all_lines,
+    "bpost": lambda settings: CornerDetector(settings, _blue_side(settings)),
+    "ypost": lambda settings: CornerDetector(settings, -_blue_side(settings)),
 }
 """By the task's name."""
 

@@ -3,7 +3,7 @@
     python -m bench.cambada.monolith VENUE SECONDS PRIORITY FOLDER
 
 A frame that comes while the loop is busy is taken as soon as it is done, unless a newer one has come: then it is
-skipped. PRIORITY 0 is an ordinary process, as the paper's loops were. Saves the diaries ``loop`` and ``loop's Ball_Om``
+skipped. PRIORITY 0 is an ordinary process, as the paper's loops were. Saves the diaries ``loop`` and ``loop's ball_om``
 in FOLDER and prints the policy that it has got.
 """
 
@@ -22,7 +22,7 @@ from vision_core.opencv import read_picture
 from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory
 from vision_core.settings_files import load_settings
 
-LOOP, BALL = "loop", "loop's Ball_Om"
+LOOP, BALL = "loop", "loop's ball_om"
 PERIOD_NS = round(NS_PER_S / RATE_HZ)
 
 
@@ -59,7 +59,7 @@ def run(film: list[Bytes], detectors: dict[str, Detector], seconds: float) -> di
             began = clock.now()
             found = detector.look(copy, due) is not None
             found_any |= found
-            if name == "Ball_Om":
+            if name == "ball_om":
                 diaries[BALL].note(due, began, clock.now(), number, found=found)
         diaries[LOOP].note(due, now, clock.now(), number, found=found_any)
     return diaries

@@ -30,18 +30,18 @@ class Response:
 RATE_HZ = 20.0
 """Of both cameras."""
 TASKS = {
-    "Avoid_Om": Line(50.0, 45, 0.0, 56.9, 43.0, 1.9),
-    "Avoid_Fr": Line(50.0, 45, 0.0, 58.1, 41.9, 2.5),
-    "Ball_Om": Line(50.0, 40, 0.0, 56.9, 43.1, 3.2),
-    "Ball_Fr": Line(50.0, 35, 0.0, 75.9, 25.4, 8.9),
-    "KGoal": Line(100.0, 30, 0.0, 506.6, 0.5, 27.4),
-    "BGoal": Line(200.0, 25, 50.0, 547.9, 0.6, 39.1),
-    "YGoal": Line(200.0, 25, 150.0, 654.6, 0.6, 42.0),
-    "Line": Line(400.0, 20, 0.0, 711.0, 38.8, 53.3),
-    "BPost": Line(800.0, 15, 100.0, 1159.7, 541.1, 60.8),
-    "YPost": Line(800.0, 15, 200.0, 1101.0, 485.6, 53.3),
+    "avoid_om": Line(50.0, 45, 0.0, 56.9, 43.0, 1.9),
+    "avoid_fr": Line(50.0, 45, 0.0, 58.1, 41.9, 2.5),
+    "ball_om": Line(50.0, 40, 0.0, 56.9, 43.1, 3.2),
+    "ball_fr": Line(50.0, 35, 0.0, 75.9, 25.4, 8.9),
+    "kgoal": Line(100.0, 30, 0.0, 506.6, 0.5, 27.4),
+    "bgoal": Line(200.0, 25, 50.0, 547.9, 0.6, 39.1),
+    "ygoal": Line(200.0, 25, 150.0, 654.6, 0.6, 42.0),
+    "line": Line(400.0, 20, 0.0, 711.0, 38.8, 53.3),
+    "bpost": Line(800.0, 15, 100.0, 1159.7, 541.1, 60.8),
+    "ypost": Line(800.0, 15, 200.0, 1101.0, 485.6, 53.3),
 }
-"""In the order of table 3."""
+"""In the order of table 3; their names in small letters, as the service has them."""
 LOOPS = {
     "Frontvision": Response(427.7, 9.9, 43.6, 30.6),
     "Omnivision": Response(635.5, 10.8, 44.0, 30.4),
