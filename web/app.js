@@ -6,6 +6,7 @@ import { connect } from "./live.js";
 import { drawPicture } from "./picture.js";
 import { describeTile, drawTile, makeTiles } from "./polar.js";
 import { age, showStatus, showVerdict } from "./tables.js";
+import { showTasks } from "./tasks.js";
 
 const $ = (id) => document.getElementById(id);
 const STALE_AFTER_S = 0.5;
@@ -17,6 +18,7 @@ let field = null; // of /api/v1/field
 let tiles = [];
 let state = null; // newest turn
 let picture = null;
+let times = null; // of the tasks
 let received = 0; // when the newest turn came [s of this page's clock]
 let ahead = -Infinity; // the service's clock minus this page's [s]; a late message can only make it too small
 let linked = false;
@@ -45,7 +47,7 @@ const robotUnder = (x, y) => (field && state ? robotAt($("field"), field, state,
 const obstacleUnder = (x, y) => (field && state ? obstacleAt($("field"), field, state, x, y) : null);
 const seconds = () => performance.now() / 1000;
 
-function onTurn(newState, newPicture) {
+function onTurn(newState, newPicture, newTimes) {
   ahead = Math.max(newState.now_s - seconds(), ahead - CLOCK_DRIFT * (seconds() - received));
   received = seconds();
   if (newPicture && newPicture !== picture) {
@@ -54,6 +56,7 @@ function onTurn(newState, newPicture) {
   }
   const first = state === null;
   state = newState;
+  times = newTimes;
   draw();
   if (first) showTables();
 }
@@ -65,7 +68,7 @@ async function onLink(open, reason) {
     ahead = -Infinity;
     await loadField();
   } else {
-    showVerdict("not-ready", "connection lost", [reason || "trying again"]);
+    showVerdict("not-ready", "connection lost", [reason || "trying again"], []);
   }
   showAges();
 }
@@ -133,8 +136,10 @@ const isChosen = ({ team, number }) => chosen !== null && chosen.team === team &
 function showTables() {
   if (!state) return;
   showStatus(state.status, state.pages, (client) => viewOf(client) !== undefined);
-  if (linked) showVerdict(state.status.ready ? "ready" : "not-ready", state.status.ready ? "ready" : "not ready", state.status.reasons);
-  setText($("picture-empty"), state.status.reasons[0] ?? "no image yet");
+  if (times) showTasks(times, state.status.processes);
+  const { ready, reasons, degraded } = state.status;
+  if (linked) showVerdict(ready ? "ready" : "not-ready", ready ? "ready" : "not ready", reasons, degraded);
+  setText($("picture-empty"), reasons[0] ?? "no image yet");
   $("picture-empty").hidden = picture !== null;
 }
 

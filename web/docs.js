@@ -30,6 +30,8 @@ function prose(text) {
 
 function operationOf(path, method, operation) {
   const body = element("div", "", element("p", "", ...prose(operation.description ?? "")));
+  const sent = operation.requestBody?.content?.["application/json"]?.schema;
+  if (sent) body.append(element("p", "", "Sent as JSON: ", element("code", "", typeOf(sent))));
   const rows = Object.entries(operation.responses).map(([status, response]) => {
     const kinds = Object.entries(response.content ?? {}).map(([media, content]) => `${media} ${typeOf(content.schema ?? {})}`);
     return row(status, kinds.join(", "), response.description);
@@ -55,7 +57,8 @@ function trial(path) {
       return;
     }
     const response = await fetch(path);
-    const text = JSON.stringify(await response.json(), null, 2);
+    const isJson = /json/.test(response.headers.get("content-type"));
+    const text = isJson ? JSON.stringify(await response.json(), null, 2) : await response.text();
     answer.replaceChildren(element("pre", "", `${response.status}\n${text}`));
   });
   return [button, answer];

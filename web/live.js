@@ -1,12 +1,14 @@
 // The live connection: says "next", is handed the newest turn, says "next" again. Reconnects by itself.
+// A turn is a picture and the tasks' times, where there are new ones, and ends with a state.
 
 const RETRY_MS = [300, 500, 1000, 2000];
 const SILENCE_MS = 3000; // the service speaks four times a second at least
 const HEADER_BYTES = 12;
 
 /**
- * Keep a live connection. onTurn(state, picture) is called for every turn, picture is null or
- * {number, grabbed_s, bitmap}; onLink(open, reason) when the link opens or is lost.
+ * Keep a live connection. onTurn(state, picture, times) is called for every turn, picture is null or
+ * {number, grabbed_s, bitmap}, times are null or as of the topic timing; onLink(open, reason) when the link opens or
+ * is lost.
  */
 export function connect(onTurn, onLink) {
   let socket = null;
@@ -16,8 +18,9 @@ export function connect(onTurn, onLink) {
 
   function open() {
     clearTimeout(retry);
-    const mine = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`);
+    const mine = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live?topics=picture,timing,state`);
     let picture = null;
+    let times = null;
     socket = mine;
     mine.binaryType = "arraybuffer";
     mine.onopen = () => {
@@ -32,9 +35,14 @@ export function connect(onTurn, onLink) {
         picture = decoded(data);
         return;
       }
+      const message = JSON.parse(data);
+      if (message.topic === "timing") {
+        times = message;
+        return;
+      }
       const newest = await picture;
       if (mine !== socket) return;
-      onTurn(JSON.parse(data), newest);
+      onTurn(message, newest, times);
       if (mine.readyState === WebSocket.OPEN) mine.send("next");
     };
     mine.onclose = ({ reason }) => {

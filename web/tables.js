@@ -1,10 +1,8 @@
-// The tables of clients and processes, and the strip on top. Text is touched only where it changed.
+// The table of clients, and the strip on top. Text is touched only where it changed.
 
 import { counted, setText } from "./drawing.js";
 
 const $ = (id) => document.getElementById(id);
-const GOOD_STATES = new Set(["running", "done"]);
-const BAD_STATES = new Set(["disabled", "restarting"]);
 
 /** Show a status (as of /api/v1/status); isSeen(client) tells whether a client's robot is. */
 export function showStatus(status, pages, isSeen) {
@@ -12,7 +10,7 @@ export function showStatus(status, pages, isSeen) {
   setText($("source"), status.source ? `${status.source.repeats ? "↻ repeats: " : ""}${shortName(status.source.uri)}` : "none");
   $("source").title = status.source ? `${status.source.uri}\n${status.source.description}` : "";
   setText($("camera-rate"), camera.measured_rate_hz === null ? "–" : `${camera.measured_rate_hz.toFixed(1)} Hz`);
-  setText($("lag"), status.lag ? `${status.lag.median_ms.toFixed(1)}, ${status.lag.max_ms.toFixed(1)} ms` : "–");
+  showLags(status.lags);
   setText($("robot-count"), `${camera.robots}${camera.balls ? " + ball" : ""}`);
   $("robot-count").parentElement.title = `In the newest image: ${counted(camera.robots, "robot")}, ${counted(camera.balls, "ball")}, ${counted(camera.obstacles, "obstacle")}`;
   setText($("client-count"), String(status.clients.length));
@@ -21,22 +19,35 @@ export function showStatus(status, pages, isSeen) {
   setText($("refused"), status.refused.length ? `refused: ${status.refused.at(-1)}` : "");
   $("refused").title = status.refused.join("\n");
   showClients(status, isSeen);
-  showProcesses(status.processes);
+}
+
+/** The parts of the lag: what is the server's, and what clients report of the rest. */
+function showLags({ server, network, client, shutter_delay_ms: shutter }) {
+  const parts = [["A, server", server], ["B, network", network], ["C, client", client]];
+  setText($("lag"), parts.map(([, part]) => (part ? part.median_ms.toFixed(1) : "–")).join(" · "));
+  const words = parts.map(([name, part]) => `${name}: ${part ? `${part.median_ms.toFixed(2)} ms median, ${part.max_ms.toFixed(2)} ms max` : "not reported"}`);
+  $("lag").parentElement.title = ["From the grab of an image until a robot's program has used it", ...words, `before all that the shutter's delay: ${shutter} ms`].join("\n");
 }
 
 /** Why nothing, or too little, is detected: one line each. */
 function showReasons(reasons) {
-  const list = $("detection");
-  while (list.children.length > reasons.length) list.lastElementChild.remove();
-  reasons.forEach((reason, index) => setText(list.children[index] ?? list.appendChild(document.createElement("li")), reason));
-  list.hidden = reasons.length === 0;
+  list($("detection"), reasons);
 }
 
-/** Show the verdict: kind is ready, not-ready or waiting. */
-export function showVerdict(kind, text, reasons) {
+/** Show the verdict: kind is ready, not-ready or waiting; degraded is what is worse than it should be. */
+export function showVerdict(kind, text, reasons, degraded) {
   $("verdict").className = `pill ${kind}`;
   setText($("verdict"), text);
   setText($("reasons"), reasons.join("; "));
+  $("reasons").hidden = reasons.length === 0;
+  list($("degraded"), degraded);
+}
+
+/** Sentences as a list, which is there while it holds any. */
+function list(element, sentences) {
+  while (element.children.length > sentences.length) element.lastElementChild.remove();
+  sentences.forEach((sentence, index) => setText(element.children[index] ?? element.appendChild(document.createElement("li")), sentence));
+  element.hidden = sentences.length === 0;
 }
 
 /** An age in words: 12 ms, 3.4 s. */
@@ -61,49 +72,31 @@ function showClients(status, isSeen) {
   const port = /:(\d+)(?:,|$)/.exec(status.udp)?.[1];
   setText($("try-it"), `python -m vision_core.client --host ${location.hostname} --port ${port} --team blue --number 1`);
   const rows = status.clients.map((client) => [
-    [`${client.team} ${client.number}`, client.team],
+    [`${client.team} ${client.number}`, client.team, `${client.address}:${client.port}`],
     [`${client.address}:${client.port}`, "address"],
     isSeen(client) ? [client.rate_hz.toFixed(1), "number"] : ["⚠ not seen", "number wait"],
-    [String(client.sent), "number"],
+    [lag(client.network_ms), "number"],
+    [lag(client.client_ms), "number"],
+    [String(client.sent), "number minor"],
     [String(client.dropped), client.dropped ? "number bad" : "number"],
-    [client.sent ? client.mean_rank.toFixed(2) : "–", "number"],
+    [client.sent ? client.mean_rank.toFixed(2) : "–", "number minor"],
   ]);
   fill($("clients"), rows);
 }
 
-function showProcesses(processes) {
-  const rows = [];
-  for (const process of processes) {
-    const look = GOOD_STATES.has(process.state) ? "good" : BAD_STATES.has(process.state) ? "bad" : "wait";
-    rows.push([
-      [process.name, ""],
-      [process.state, look],
-      [fixed(process.rate_hz), "number"],
-      [fixed(process.response_median_ms), "number"],
-      [fixed(process.response_max_ms), "number"],
-      [String(process.restarts), process.restarts ? "number bad" : "number"],
-      [process.pid === null ? "–" : String(process.pid), "number"],
-    ]);
-    const detail = [process.state === "done" ? "" : process.detail, process.note].filter(Boolean).join("; ");
-    if (detail) rows.push([[detail, "detail"]]);
-  }
-  fill($("processes"), rows);
+function lag(value_ms) {
+  return value_ms === null ? "–" : value_ms.toFixed(1);
 }
 
-function fixed(value) {
-  return value === null ? "–" : value.toFixed(1);
-}
-
-/** Make a table's body show rows of [text, class]; a row of one cell spans the table. */
+/** Make a table's body show rows of [text, class, title]. */
 function fill(body, rows) {
   while (body.rows.length > rows.length) body.deleteRow(-1);
   rows.forEach((cells, index) => {
     const row = body.rows[index] ?? body.insertRow();
-    while (row.cells.length > cells.length) row.deleteCell(-1);
-    cells.forEach(([text, look], column) => {
+    cells.forEach(([text, look, title = ""], column) => {
       const cell = row.cells[column] ?? row.insertCell();
-      cell.colSpan = cells.length === 1 ? 7 : 1;
       if (cell.className !== look) cell.className = look;
+      if (cell.title !== title) cell.title = title;
       setText(cell, text);
     });
   });

@@ -1,5 +1,6 @@
 """The page in a browser, on a fake service: what a person sees."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -94,13 +95,15 @@ def test_it_shows_picture_field_and_ten_views(
     expect(page.locator("#verdict")).to_have_text("ready")
     expect(page.locator(".tile")).to_have_count(10)
     expect(page.locator("#clients tr")).to_have_count(10)
+    expect(page.locator("#tasks canvas")).to_have_count(11)
+    expect(page.locator("#lag")).to_have_text("12.4 · 0.2 · 2.0")
     expect(page.locator("#camera-rate")).to_have_text("30.0 Hz")
     expect(page.locator("#picture-empty")).to_be_hidden()
     page.wait_for_function("document.querySelector('#picture-age').textContent.endsWith('ms')")
     assert page.evaluate(COLORS_OF_CANVAS, "#picture") > 20
     assert page.evaluate(COLORS_OF_CANVAS, "#field") > 5
     for index in range(1, 11):
-        assert page.evaluate(COLORS_OF_CANVAS, f".tile:nth-child({index}) canvas") > 3
+        page.wait_for_function(f"() => ({COLORS_OF_CANVAS})('.tile:nth-child({index}) canvas') > 3")
     overflow = "document.documentElement.scrollWidth - innerWidth + document.documentElement.scrollHeight - innerHeight"
     assert page.evaluate(overflow) == 0, "everything fits on the screen"
     assert watched.complaints == []
@@ -216,6 +219,53 @@ def test_reasons_are_a_list_while_there_are_any(browser: Browser, service: FakeS
     page.close()
 
 
+def test_every_task_is_shown_with_what_it_got_and_how_it_does(
+    browser: Browser, service: FakeService, server: PageServer
+) -> None:
+    watched = Watched(browser, server.address, DESKTOP)
+    page = watched.page
+    expect(page.locator("#degraded")).to_be_hidden()
+    rows = page.locator("#tasks tr:not([hidden])")
+    expect(rows.locator("td:first-child")).to_have_text([task.name for task in service.tasks])
+    lines = rows.filter(has_text="lines").locator("td")
+    expect(lines.nth(1)).to_have_text("every 400 ms")
+    expect(lines.nth(2)).to_have_text("FIFO 20")
+    expect(lines.nth(4)).to_have_text("6.1")
+    expect(lines.nth(10)).to_have_text("1")
+    expect(rows.filter(has_text="perceive").locator("td").nth(1)).to_have_text("frames")
+    expect(rows.filter(has_text="web").locator("td").nth(1)).to_have_text("own loop")
+    expect(page.locator("#other-processes")).to_have_text("compile done, spare-1 running, spare-2 running")
+    assert page.evaluate(COLORS_OF_CANVAS, "#tasks tr:nth-child(5) canvas") > 3
+    answer = page.request.patch(f"http://{server.address}/api/v1/tasks/lines", data={"enabled": False})
+    assert answer.ok
+    expect(lines.nth(3)).to_have_text("off")
+    expect(lines.nth(0)).to_have_text("lines ✎")
+    expect(page.locator("#degraded li")).to_have_text(["task lines is switched off"])
+    expect(page.locator("#verdict")).to_have_text("ready")
+    assert watched.complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize("service", [STATES["degraded"]], indirect=True)
+@pytest.mark.parametrize("size", [TABLET, DESKTOP])
+def test_what_is_degraded_is_said_and_marked(browser: Browser, server: PageServer, size: dict[str, int]) -> None:
+    watched = Watched(browser, server.address, size)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("ready")
+    expect(page.locator("#degraded li")).to_have_count(4)
+    assert page.evaluate("document.querySelector('#degraded').clientHeight") <= 45
+    page.locator("#degraded").hover()
+    expect(page.locator("#degraded li").last).to_be_in_viewport()
+    perceive = page.locator("#tasks tr", has_text="perceive").locator("td").nth(2)
+    expect(perceive).to_have_text("⚠ nice -10")
+    expect(perceive).to_have_attribute("title", re.compile("SCHED_FIFO 45 is refused: no CAP_SYS_NICE"))
+    expect(page.locator("#tasks td.detail:visible")).to_have_text([re.compile("^process watch is disabled: 5 ends")])
+    expect(page.locator("#lag")).to_have_text("12.4 · – · –")
+    expect(page.locator("#clients tr").first.locator("td").nth(3)).to_have_text("–")
+    assert watched.complaints == []
+    page.close()
+
+
 def test_it_survives_a_restart_of_the_server(browser: Browser, service: FakeService, server: PageServer) -> None:
     first = PageServer(service)
     first.start()
@@ -262,10 +312,16 @@ def test_a_camera_that_stops_is_shown_as_stale(browser: Browser, service: FakeSe
 def test_the_documentation_needs_no_internet(browser: Browser, server: PageServer) -> None:
     watched = Watched(browser, server.address, DESKTOP)
     page = watched.page
+    page.wait_for_load_state("networkidle")  # what is still on its way would be given up, and complained of
     page.get_by_role("link", name="API").click()
-    page.locator("summary", has_text="/api/v1/status").click()
-    page.get_by_role("button", name="Ask the service").locator("visible=true").click()
-    expect(page.locator("pre")).to_contain_text('"ready": true')
+    for path, told in (("/api/v1/status", '"ready": true'), ("/metrics", "pslv_ready 1.0")):
+        details = page.locator("details", has=page.locator("summary code", has_text=re.compile(f"^{path}$")))
+        details.locator("summary").click()
+        details.get_by_role("button", name="Ask the service").click()
+        expect(details.locator("pre")).to_contain_text(told)
+    change = page.locator("#operations details", has_text="PATCH")
+    change.locator("summary").click()
+    expect(change).to_contain_text("Sent as JSON: Wish")
     expect(page.locator("#schemas details", has_text="Camera").first).to_be_attached()
     assert watched.complaints == []
     page.close()
