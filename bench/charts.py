@@ -73,7 +73,7 @@ def draw_panels(panels: Sequence[Panel], title: str, columns: int, size_px: tupl
 def _draw(image: Bytes, panel: Panel) -> None:
     """One panel, over all of an image."""
     height, width = image.shape[:2]
-    top = TOP + LEGEND_PX * len(panel.series)
+    top = TOP + LEGEND_PX * (len(panel.series) + 1)
     box = (LEFT, top, width - RIGHT, height - BOTTOM)
     draw_text(image, panel.title, (LEFT, 24.0), INK, TEXT + 0.05)
     for line, series in enumerate(panel.series):

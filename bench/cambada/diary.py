@@ -25,6 +25,11 @@ class Diary:
         self._rows.fill(0)  # touched: no page is missing later
         self._count = 0
 
+    @property
+    def rows(self) -> Rows:
+        """What was noted so far."""
+        return self._rows[: self._count]
+
     def note(self, due: int, began: int, done: int, image: int, *, found: bool) -> None:
         """One run."""
         if self._count < ROOM:
@@ -34,7 +39,7 @@ class Diary:
     def save(self, folder: Path, name: str) -> None:
         """Save all runs, beside those of other processes of the same name. No folder: nobody wants to know."""
         if folder.is_dir():
-            np.save(folder / f"{name}.{os.getpid()}.npy", self._rows[: self._count])
+            np.save(folder / f"{name}.{os.getpid()}.npy", self.rows)
 
 
 def read_diary(folder: Path, name: str) -> Rows:
