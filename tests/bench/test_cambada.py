@@ -127,9 +127,9 @@ def test_things_are_where_the_world_has_them() -> None:
     everything = {name: found or () for name, found in last.found.items()}
     assert farthest(everything["ball_fr"], robots) < NEAR_PX
     assert farthest((*everything["bgoal"], *everything["ygoal"]), goals) < 4.0
-    assert farthest((*everything["bpost"], *everything["ypost"]), corners) < 2.0
+    assert farthest((*everything["bpost"], *everything["ypost"]), corners) < 0.5
     assert farthest(everything["kgoal"], px([(-1.395, 0.0)])) < 2.0
-    assert farthest(everything["line"], px([(0.0, 0.0), (0.0, 1.145), (-1.17, 0.0)])) < 40.0
+    assert farthest(everything["line"], px([(0.0, 0.0), (-1.17, 0.0), (1.17, 0.0)])) < 2.0
 
 
 @pytest.mark.slow
