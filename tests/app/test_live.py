@@ -79,6 +79,7 @@ def test_nothing_comes_unasked_and_then_the_newest(server: PageServer, service: 
     assert turns.PICTURE_HEADER.unpack_from(later)[0] > shown + 5
 
 
+@pytest.mark.slow
 def test_turns_stop_when_nobody_watches(server: PageServer, service: FakeService) -> None:
     info = records.task("web").reader(service.store)
     with page(server) as connection:
@@ -151,6 +152,7 @@ def test_topics_come_in_their_order_and_end_with_the_last(server: PageServer) ->
     assert [json.loads(message)["topic"] for message in (timing, state)] == ["timing", "state"]
 
 
+@pytest.mark.slow
 def test_timing_alone_comes_twice_a_second_at_most(server: PageServer, service: FakeService) -> None:
     with page(server, query="?topics=timing") as connection:
         turns_told = [turn(connection) for _ in range(3)]

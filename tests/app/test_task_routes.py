@@ -193,16 +193,10 @@ def test_changes_come_as_json_and_in_few_words(http: httpx.Client) -> None:
     patch = {"content-type": "application/json"}
     assert http.patch(f"{TASKS}/lines", content=b" " * 5000, headers=patch).status_code == 413
     assert http.patch(f"{TASKS}/lines", content=iter([b"{}"]), headers=patch).status_code == 411
-    assert proposed_or_none(http) is None
+    assert task_of(http, "lines")["proposed"] is None
 
 
-def proposed_or_none(http: httpx.Client) -> object:
-    """Of the lines' task."""
-    return task_of(http, "lines")["proposed"]
-
-
-def test_a_record_of_another_task_stays(service: FakeService) -> None:
-    """What the record holds is read at the start, whoever wrote it."""
+def test_what_the_record_holds_at_the_start_is_kept() -> None:
     own = FakeService()
     own.put(records.PROPOSED, ProposedSettings({"serve": Proposal(priority=30)}))
     server = PageServer(own)
