@@ -11,7 +11,8 @@
 
    Prints JSON: {"policies": {process: policy}, "locked", "clients", "bytes", "published", "late" (releases skipped by
    the publisher), "skipped" (frames that a newer one overtook), "incomplete" (frames that not every client got),
-   "delivered_us": [...], "read_us": [...]}: per frame that all got, from publishing to the last. */
+   "delivered_us": [...], "read_us": [...], "sending_us": [...]}: per frame that all got, from publishing to the last, and
+   how long the 22 calls of send took. */
 
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -40,7 +41,7 @@ static const char *const NAMES[PROCESSES] = {"publish", "perceive", "serve", "re
 static const int PRIORITIES[PROCESSES] = {50, 45, 40, 0};
 static const int64_t NS_PER_S = 1000000000, SETTLE_NS = 200000000;
 
-typedef struct { int64_t published, delivered, read, clients; } Frame;
+typedef struct { int64_t published, sending, sent, delivered, read, clients; } Frame;
 typedef struct {
     _Atomic int64_t newest, perceived;
     _Atomic int stopping, ready;
@@ -129,7 +130,9 @@ static void serve(int64_t busy_ns)
         if ((frame = shared->perceived) == last) continue;
         be_busy(busy_ns);
         memcpy(datagram, &frame, sizeof frame);
+        shared->frames[frame - 1].sending = clock_ns(CLOCK_MONOTONIC);
         for (int k = 0; k < CLIENTS; k++) send(outgoing[k], datagram, BYTES, MSG_DONTWAIT | MSG_NOSIGNAL);
+        shared->frames[frame - 1].sent = clock_ns(CLOCK_MONOTONIC);
     }
 }
 
@@ -210,15 +213,19 @@ static void start(int process, int64_t busy_ns, pid_t parent)
     _exit(0);
 }
 
-static void print_latencies(const char *name, int64_t count, size_t field)
+static int64_t field_of(const Frame *frame, size_t offset)
+{
+    return *(const int64_t *)((const char *)frame + offset);
+}
+
+static void print_times(const char *name, int64_t count, size_t from, size_t to)
 {
     const char *comma = "";
     printf(", \"%s\": [", name);
     for (int64_t k = 0; k < count; k++) {
         const Frame *frame = &shared->frames[k];
-        int64_t end = *(const int64_t *)((const char *)frame + field);
         if (frame->clients != CLIENTS) continue;
-        printf("%s%.1f", comma, (double)(end - frame->published) / 1e3), comma = ", ";
+        printf("%s%.1f", comma, (double)(field_of(frame, to) - field_of(frame, from)) / 1e3), comma = ", ";
     }
     printf("]");
 }
@@ -241,8 +248,9 @@ static void report(int64_t count, int64_t late)
     printf("}, \"locked\": %s, \"clients\": %d, \"bytes\": %d, \"published\": %" PRId64, locked ? "true" : "false",
            CLIENTS, BYTES, count);
     printf(", \"late\": %" PRId64 ", \"skipped\": %" PRId64 ", \"incomplete\": %" PRId64, late, skipped, incomplete);
-    print_latencies("delivered_us", count, offsetof(Frame, delivered));
-    print_latencies("read_us", count, offsetof(Frame, read));
+    print_times("delivered_us", count, offsetof(Frame, published), offsetof(Frame, delivered));
+    print_times("read_us", count, offsetof(Frame, published), offsetof(Frame, read));
+    print_times("sending_us", count, offsetof(Frame, sending), offsetof(Frame, sent));
     puts("}");
 }
 
