@@ -37,7 +37,7 @@ def main() -> None:
     if int(priority):
         lock_memory()
     standing = ask_priority(int(priority))
-    print(standing.policy)
+    print(f"{standing.policy}, FIFO {priority} refused" if standing.refused else standing.policy)
     for name, diary in run(film, detectors, float(seconds)).items():
         diary.save(Path(folder), name)
 

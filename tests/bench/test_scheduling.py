@@ -12,7 +12,9 @@ from bench.cambada.paper import LOOPS, TASKS
 from bench.cambada.picture import draw
 from bench.cambada.results import Loop, Modular, intervals_ms, skipped_of, spread_of, table_1, table_3, told_of
 from bench.charts import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
+from bench.clients import Sleepers
 from bench.load import full_load
+from bench.scheduling import witness_of
 from bench.service import is_alive
 
 MS = 1_000_000
@@ -117,6 +119,14 @@ def test_the_smallest_count_is_seen_beside_the_largest() -> None:
 def test_all_figures_fit_into_one_picture() -> None:
     image = draw(LOOP, LOOP, modular_of(0.2), "title")
     assert image.shape[1] == 1600
+
+
+@pytest.mark.parametrize(("policy", "excused"), [("SCHED_FIFO", True), ("SCHED_OTHER", False)])
+def test_only_a_sleeper_with_real_time_priority_excuses_us(policy: str, excused: bool) -> None:
+    sleepers = object.__new__(Sleepers)
+    sleepers.reports = [{"policy": policy, "overslept": [[1.0, 0.5]]}]
+    assert witness_of(sleepers)(0.9, 1.1) is excused
+    assert witness_of(sleepers)(1.1, 1.2) is False
 
 
 @pytest.mark.slow
