@@ -8,8 +8,10 @@ import numpy as np
 from bench import way
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
+from vision_core.geometry import Bytes
 from vision_core.opencv import write_picture
 from vision_core.rtdb.control import Attached
+from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 
 FRAMES = 200
@@ -18,25 +20,41 @@ PATIENCE_S = 60.0
 LOOK_EVERY_S = 0.1
 
 
-def write_match(folder: Path, rate_hz: float) -> str:
-    """Render frames of a match as a camera of a rate sees it; what they are, in words.
-
-    The folder shows them forwards, then backwards, so that nothing jumps where it begins again.
-    """
-    settings = load_settings(options={"synthetic.robots_per_team": ROBOTS_PER_TEAM, "camera.rate_hz": rate_hz})
+def match(rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM) -> tuple[Settings, list[Bytes]]:
+    """Settings of a match in which all robots may connect, and frames of it as a camera of a rate sees them."""
+    shown = {"synthetic.robots_per_team": robots_per_team, "camera.rate_hz": rate_hz}
+    settings = load_settings(options=shown | {"match.numbers": ROBOTS_PER_TEAM})
     source = open_source(settings, ManualClock(), paced=False)
-    camera = settings.camera
-    pixels = np.empty((camera.height_px, camera.width_px, 3), dtype=np.uint8)
-    for number in range(FRAMES):
+    frames = []
+    for _ in range(FRAMES):
+        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
         source.grab(pixels)
-        write_picture(folder / f"{number:04d}.bmp", pixels)
+        frames.append(pixels)
     source.close()
-    for back in range(1, FRAMES - 1):
-        (folder / f"{FRAMES - 1 + back:04d}.bmp").symlink_to(f"{FRAMES - 1 - back:04d}.bmp")
-    return (
-        f"{FRAMES} distinct frames of {camera.width_px}x{camera.height_px} with {2 * ROBOTS_PER_TEAM} robots, looped "
-        "forwards and backwards"
-    )
+    return settings, frames
+
+
+def forwards_and_backwards() -> list[int]:
+    """The order in which frames are shown, so that nothing jumps where they begin again."""
+    return [*range(FRAMES), *range(FRAMES - 2, 0, -1)]
+
+
+def write_match(folder: Path, rate_hz: float) -> str:
+    """Frames of a match as files, in the order in which they are shown; what they are, in words."""
+    settings, frames = match(rate_hz)
+    for place, number in enumerate(forwards_and_backwards()):
+        if place == number:
+            write_picture(folder / f"{number:04d}.bmp", frames[number])
+        else:
+            (folder / f"{place:04d}.bmp").symlink_to(f"{number:04d}.bmp")
+    return in_words(settings)
+
+
+def in_words(settings: Settings) -> str:
+    """What a benchmark shows."""
+    size = f"{settings.camera.width_px}x{settings.camera.height_px}"
+    robots = 2 * settings.synthetic.robots_per_team
+    return f"{FRAMES} distinct frames of {size} with {robots} robots, looped forwards and backwards"
 
 
 def wait_for_all(attached: Attached) -> None:
