@@ -9,7 +9,8 @@ is said. Since memory and sockets belong to the supervisor, the others notice no
 supervisor itself is killed, the kernel kills its children, and the memory goes with them.
 
 Starting Python with all that a child needs takes seconds. So there are warm spares: processes that have loaded
-everything, and become whichever child is missing when they are told which. A new spare is made when all is quiet.
+everything, and become whichever child is missing when they are told which; until that works they go before ordinary
+work. A new spare is made when all is quiet.
 
 The supervisor itself only waits, so it may ask for the highest real-time priority: load delays no restart. When it was
 delayed all the same, the machine stood still, and a child's silence is counted from then on only. Nor does a child
@@ -18,5 +19,6 @@ hang that only waits for a processor.
 Rules: standard library only; it never decodes what the tasks write, and never imports a stage.
 
 Files, outside-in: ``service`` (the loop), ``control`` (the socket for requests), ``spares`` (the warm ones),
-``child`` (one process), ``vitals`` (is it stuck or starved?), ``plan`` (what to start).
+``child`` (one process), ``vitals`` (is it stuck or starved?), ``priorities`` (who goes first),
+``plan`` (what to start).
 """

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from app.supervisor.plan import ChildPlan
+from app.supervisor.priorities import hurry, settle
 from app.supervisor.vitals import time_spent, wants_to_run
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import VARIABLE, HandDown
@@ -97,6 +98,7 @@ class Child:
         order = json.dumps({"module": child.plan.module, "handed": child.handed.encode()}).encode() + b"\n"
         pipe = self.process.stdin.fileno()
         os.set_blocking(pipe, False)
+        hurry(self.process.pid)
         try:
             taken = os.write(pipe, order) == len(order)
         except OSError:  # it has just ended
@@ -135,7 +137,8 @@ class Child:
         glance = self.heartbeat.glance()
         if glance is not None and glance.written >= self.started:
             self.beaten = glance.written
-            if self.state == "starting":
+            if self.state == "starting" and self.pid is not None:
+                settle(self.pid)
                 self.state = "running"
 
     def is_silent(self, now: int, watched: int) -> bool:

@@ -14,6 +14,7 @@ from typing import Any
 from app.supervisor.child import Child
 from app.supervisor.control import Answer, ControlSocket
 from app.supervisor.plan import ChildPlan, ServicePlan
+from app.supervisor.priorities import go_first
 from app.supervisor.spares import Spares, spare_plans
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import BEAT, HandDown, monotonic, name_process
@@ -24,8 +25,6 @@ TICK_S = 0.1
 LATE_S = 2 * TICK_S
 """A turn that comes so long after the one before: the machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
-PRIORITY = 91
-"""Real-time priority, above that of every task: it only waits."""
 STOP_PATIENCE_S = 1.5
 """Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
 
@@ -69,7 +68,7 @@ class Supervisor:
         wakeup = signal.set_wakeup_fd(self._wake.fileno(), warn_on_full_buffer=False)
         try:
             name_process("pslv:supervisor")
-            _go_first()
+            go_first()
             for child in self.children:
                 if not child.plan.after_compile:
                     child.start(time.monotonic_ns())
@@ -248,9 +247,3 @@ class Supervisor:
             inherits=(*self._events.values(), *sockets),
             takes_orders=True,
         )
-
-
-def _go_first() -> None:
-    """Let no load delay a restart; where that is refused, it will."""
-    with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(PRIORITY))

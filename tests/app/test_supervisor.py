@@ -169,6 +169,8 @@ def test_a_spare_takes_the_place_of_a_killed_process_and_is_replaced_itself() ->
         assert after["spare-1"]["pid"] != before["spare-1"]["pid"]
         assert after["spare-1"]["restarts"] == 0
         assert "spare-1 takes the place of one" in started.news
+        assert os.sched_getscheduler(after["one"]["pid"]) & ~os.SCHED_RESET_ON_FORK == os.SCHED_OTHER
+        assert os.sched_getscheduler(after["spare-1"]["pid"]) == os.SCHED_BATCH
 
 
 @pytest.mark.slow

@@ -60,7 +60,8 @@ def wait_and_become(attachment: Attachment) -> None:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, ORDERS)
     os.close(nothing)
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    if os.sched_getscheduler(0) == os.SCHED_BATCH:  # otherwise the supervisor has us hurry
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     os.environ[VARIABLE] = order["handed"]
     sys.argv = [order["module"]]
     import_module(order["module"]).main()
