@@ -17,7 +17,7 @@ from vision_core.errors import ServiceError
 from vision_core.kernel_cache import kernel_folder
 from vision_core.net.udp import open_server_sockets
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import SelfTest, ServiceInfo
+from vision_core.rtdb.infos import ServiceInfo
 from vision_core.scheduling.task import DRIVER, NONE, Task
 from vision_core.settings import Settings
 from vision_core.tasks.table import record_specs, task_table
@@ -42,11 +42,8 @@ ROOM_FOR_ADDRESSES = 1024
 """In the record of the service, beside the settings [bytes]."""
 
 
-def plan_service(settings: Settings, version: str, machine: SelfTest) -> tuple[ServicePlan, ServiceInfo]:
-    """Open the sockets and lay out everything else. machine: how it keeps time.
-
-    Raises ServiceError, with nothing left open.
-    """
+def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, ServiceInfo]:
+    """Open the sockets and lay out everything else. Raises ServiceError, with nothing left open."""
     if sys.platform != "linux":
         raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
     size, room = len(msgspec.msgpack.encode(settings)), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
@@ -74,7 +71,7 @@ def plan_service(settings: Settings, version: str, machine: SelfTest) -> tuple[S
     plan = ServicePlan(
         children=children,
         records=record_specs(settings, tasks, beating),
-        initial={"service": records.SERVICE.encode(info), "selftest": records.SELF_TEST.encode(machine)},
+        initial={"service": records.SERVICE.encode(info)},
         sockets={"http": http, "main": main, "session": session},
         boot=boot,
         spares=SPARES,

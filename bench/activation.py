@@ -24,8 +24,8 @@ from bench.service import configured, running_service
 from bench.twins.build import build_program
 from vision_core.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from vision_core.geometry import Floats
+from vision_core.net.control import Attached, attach_to
 from vision_core.rtdb import records
-from vision_core.rtdb.control import Attached, attach_to
 
 PERIOD_MS = 50
 CENTRAL = 0.99

@@ -35,12 +35,12 @@ def run(seconds: float = 60.0) -> list[dict[str, Any]]:
         sleepers = Sleepers()
         clients = [_client(service, team, number, seconds) for team in ("blue", "yellow") for number in range(1, 6)]
         time.sleep(seconds - BEFORE_END_S)
-        status = service.get("/api/v1/status")[1]
+        status, tasks = service.get("/api/v1/status")[1], service.get("/api/v1/tasks")[1]
         boot_s = time.monotonic() - status["uptime_s"]
         reports = [json.loads(client.communicate()[0]) for client in clients]
         sleepers.stop()
     rows = [row for report in reports for row in _client_rows(report, sleepers, boot_s)]
-    return [*rows, *sleepers.rows(), *_status_rows(status)]
+    return [*rows, *sleepers.rows(), *_status_rows(status, tasks)]
 
 
 class Sleepers:
@@ -99,11 +99,11 @@ def _client_rows(report: Report, sleepers: Sleepers, boot_s: float) -> list[dict
     ]
 
 
-def _status_rows(status: Report) -> list[dict[str, Any]]:
+def _status_rows(status: Report, tasks: list[Report]) -> list[dict[str, Any]]:
     """What the service says of itself."""
-    lag = status["lag"]
+    lag = status["lags"]["server"] or {}
     rows = [{"name": f"server's lag, {key[:-3]}", "value": round(lag[key], 2), "unit": "ms"} for key in sorted(lag)]
-    missed = {row["name"]: row["missed"] for row in status["processes"]}
+    missed = {task["name"]: task["missed"] for task in tasks}
     return [
         *rows,
         *(

@@ -22,7 +22,7 @@ from bench.stamps import Stamp
 from bench.way import FRAMES, SIGHTINGS, US_PER_S, VIEWS, WAY, WORKERS, histograms_of, policies_of
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.histogram import BINS, Counts, bin_of, quantile_s
-from vision_core.rtdb.control import Attached, attach_to
+from vision_core.net.control import Attached, attach_to
 
 PAGES = 20
 CLIENTS_PER_TEAM = 5

@@ -27,7 +27,7 @@ from bench.stamps import Stamp
 from bench.twins.build import build_program
 from bench.way import FRAMES, WAY, WORKERS, histograms_of, policies_of, quantile_us
 from vision_core.geometry import Floats
-from vision_core.rtdb.control import attach_to
+from vision_core.net.control import attach_to
 
 RATES_HZ = (30.0, 200.0)
 CLIENTS = 2 * ROBOTS_PER_TEAM

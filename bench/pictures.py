@@ -9,8 +9,8 @@ from bench import way
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
+from vision_core.net.control import Attached
 from vision_core.opencv import write_picture
-from vision_core.rtdb.control import Attached
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
 

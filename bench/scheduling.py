@@ -35,9 +35,9 @@ from bench.load import Load, full_load
 from bench.runner import OUT, Row
 from bench.service import running_service
 from vision_core.clock import MonotonicClock
+from vision_core.net.control import attach_to
 from vision_core.opencv import write_picture
 from vision_core.rtdb import records
-from vision_core.rtdb.control import attach_to
 from vision_core.settings_files import load_settings
 
 SETTLE_S = 3.0

@@ -30,7 +30,7 @@ class RunningService:
 
     @property
     def control(self) -> str:
-        """Name of its control socket, for ``vision_core.rtdb.control``."""
+        """Name of its control socket, for ``vision_core.net.control``."""
         return f"pslv/{self.http.rpartition(':')[2]}"
 
     def get(self, path: str) -> tuple[int, Any]:

@@ -13,7 +13,7 @@ import time
 from collections.abc import Sequence
 
 from bench.companions import BELOW_SERVE, READY, keep_time, told_to_end
-from vision_core.rtdb.control import attach_to
+from vision_core.net.control import attach_to
 from vision_core.rtdb.slots import BEGUN, ENDED, MEASURED, WRITTEN, SlotReader
 from vision_core.rtdb.store import Store
 

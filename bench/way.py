@@ -2,8 +2,8 @@
 
 from vision_core.clock import MonotonicClock
 from vision_core.histogram import Counts, decode, quantile_s
+from vision_core.net.control import Attached
 from vision_core.rtdb import records
-from vision_core.rtdb.control import Attached
 from vision_core.rtdb.infos import TIMINGS
 
 FRAMES, SIGHTINGS, VIEWS = WAY = ("frames/main", "sightings/main", "views")

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import webbrowser
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from vision_core.rtdb.infos import SelfTest
     from vision_core.settings import Settings
 
-SELF_TEST = "vision_core.scheduling.selftest"
 console = Console(stderr=True, highlight=False)
 
 
@@ -68,14 +68,16 @@ def _run(settings: "Settings") -> int:
     from app.service_plan import plan_service, prepare_data_folder
     from app.supervisor.service import Supervisor
     from vision_core.capture.source import is_device
+    from vision_core.rtdb import records
     from vision_core.scheduling.selftest import in_words
 
     prepare_data_folder()
     with contextlib.ExitStack() as held:
         if is_device(settings):
             held.enter_context(lock_camera(settings.source.uri.partition(":")[2]))
+        plan, info = plan_service(settings, __version__)
         machine = _try_out(settings)
-        plan, info = plan_service(settings, __version__, machine)
+        plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
         _tell(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
         _tell(in_words(machine))
         if os.environ.get("DISPLAY") and sys.stdout.isatty():
@@ -90,7 +92,9 @@ def _try_out(settings: "Settings") -> "SelfTest":
 
     from vision_core.rtdb.infos import SelfTest
 
-    with subprocess.Popen([sys.executable, "-m", SELF_TEST], stdout=subprocess.PIPE) as timing:
+    command = [sys.executable, "-m", "vision_core.scheduling.selftest"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, process_group=0) as timing, contextlib.ExitStack() as held:
+        held.callback(timing.kill)
         opened = subprocess.run(
             [sys.executable, "-m", "vision_core.tasks.preflight"],
             input=msgspec.json.encode(settings),
@@ -98,7 +102,6 @@ def _try_out(settings: "Settings") -> "SelfTest":
             check=False,
         )
         if opened.returncode:
-            timing.kill()
             lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
             raise PslvError(lines[-1] if opened.returncode == 2 else "\n".join(lines))
         return msgspec.json.decode(timing.communicate()[0], type=SelfTest)

@@ -13,7 +13,7 @@ from rich.table import Table
 from vision_core.errors import ServiceError
 
 if TYPE_CHECKING:
-    from vision_core.rtdb.control import Attached
+    from vision_core.net.control import Attached
 
 EVERY_S = 0.5
 RATE_OVER = 8
@@ -25,7 +25,7 @@ def top(
     once: Annotated[bool, typer.Option("--once", help="Print once, after a second, and end.")] = False,
 ) -> None:
     """Show the real-time database of a running service live: item, writer, rate, age, valid (Ctrl-C ends it)."""
-    from vision_core.rtdb.control import attach_to
+    from vision_core.net.control import attach_to
 
     view = _View(attach_to(service or _the_only_one()))
     out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
@@ -48,7 +48,7 @@ def top(
 
 def _the_only_one() -> str:
     """The service that runs. Raises ServiceError when there is none, or when there are several."""
-    from vision_core.rtdb.control import running_services
+    from vision_core.net.control import running_services
 
     names = running_services()
     if len(names) == 1:

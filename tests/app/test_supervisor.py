@@ -16,7 +16,7 @@ from bench.service import is_alive
 from tests.conftest import ROOT
 from vision_core.clock import MonotonicClock
 from vision_core.errors import ServiceError
-from vision_core.rtdb.control import attach_to, restart
+from vision_core.net.control import attach_to, restart
 
 Table = dict[str, dict[str, Any]]
 PATIENCE_S = 30.0

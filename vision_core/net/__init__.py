@@ -1,5 +1,6 @@
 """The only server sockets. ``udp`` makes them and knows no protocol; ``batch`` sends one
-frame's datagrams from compiled code; ``server`` joins them to ``Sessions``.
+frame's datagrams from compiled code; ``server`` joins them to ``Sessions``. ``control`` is no server: it asks a
+running service for its database, for ``pslv top`` and benchmarks.
 
 Two ports. Clients send ``init`` to the main port; everything else goes through the session port, where
 each session has a socket of its own, bound to our address that the init came to and connected to its

@@ -3,7 +3,8 @@
 A device delivers by itself, into the slot that it is given. Files and the simulated camera are no devices: their images
 are made by the task ``source``, which has no real-time priority, as a camera's chip would make them; this task orders
 one after the other into the ring's next slot and publishes each at its instant. An image that comes late is
-published at once, under the instant that it was ordered for; a period that has passed meanwhile is left out and counted.
+published at once, under the instant that it was ordered for; a period that has passed meanwhile is left out, and
+counted.
 
 A device that fails is opened again once a second, and until it delivers nothing is published: no stale image is
 passed on as fresh.

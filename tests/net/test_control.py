@@ -17,7 +17,7 @@ import pytest
 from app.supervisor import control as server
 from vision_core.clock import MonotonicClock
 from vision_core.errors import ServiceError
-from vision_core.rtdb.control import attach_to, restart, running_services
+from vision_core.net.control import attach_to, restart, running_services
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store, create_block
 
