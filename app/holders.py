@@ -32,12 +32,17 @@ def device_holder(path: str) -> str | None:
     return _first(_holders({os.path.realpath(path)}) - {os.getpid()})
 
 
+def device_path(device: str) -> str:
+    """The file of a camera. device: "0" or "/dev/video0"."""
+    return os.path.realpath(f"/dev/video{device}" if device.isdigit() else device)
+
+
 def lock_camera(device: str) -> socket.socket:
     """Hold a camera for this service until the socket is closed. device: "0" or "/dev/video0".
 
     Raises ServiceError naming the service that holds it. The lock is an abstract socket: it vanishes with its process.
     """
-    path = os.path.realpath(f"/dev/video{device}" if device.isdigit() else device)
+    path = device_path(device)
     lock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         lock.bind(f"\0{PREFIX}{path}")

@@ -103,8 +103,17 @@ def _try_out(settings: "Settings") -> "SelfTest":
         )
         if opened.returncode:
             lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
-            raise PslvError(lines[-1] if opened.returncode == 2 else "\n".join(lines))
+            raise PslvError((lines[-1] if opened.returncode == 2 else "\n".join(lines)) + _in_use_by(settings))
         return msgspec.json.decode(timing.communicate()[0], type=SelfTest)
+
+
+def _in_use_by(settings: "Settings") -> str:
+    """Who else has the camera open that could not be: any program may, not only a service."""
+    from app.holders import device_holder, device_path
+    from vision_core.capture.source import is_device
+
+    holder = device_holder(device_path(settings.source.uri.partition(":")[2])) if is_device(settings) else None
+    return f"; {holder} has it open" if holder else ""
 
 
 def _tell(line: str) -> None:

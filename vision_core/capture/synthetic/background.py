@@ -19,7 +19,7 @@ from vision_core.capture.synthetic.floor import (
     spread,
 )
 from vision_core.field_model import accepted_half_extent, field_lines, goal_line_x
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.settings import FieldSettings, Settings, SyntheticSettings
 
 RAY_STEP = 4
@@ -51,8 +51,19 @@ class Background:
     """Factor for every color, shape (height, width)."""
 
 
+_newest: list[tuple[object, Background]] = []
+"""The background that was made last, and for what: a spare that becomes the source has it already."""
+
+
 def make_background(settings: Settings, camera: PinholeCamera) -> Background:
-    """Render the empty venue once."""
+    """Render the empty venue, once in a process. The arrays are read-only."""
+    wanted = settings.camera, settings.field, settings.synthetic
+    if not _newest or _newest[0][0] != wanted:
+        _newest[:] = [(wanted, _painted(settings, camera))]
+    return _newest[0][1]
+
+
+def _painted(settings: Settings, camera: PinholeCamera) -> Background:
     width, height = settings.camera.width_px, settings.camera.height_px
     floor = _floor_points(camera, width, height)
     light = _light(settings.synthetic, floor[1:-1, 1:-1])
@@ -70,7 +81,7 @@ def make_background(settings: Settings, camera: PinholeCamera) -> Background:
         COLORS,
     )
     pixels = (image * light[..., None] + 0.5).clip(0, 255).astype(np.uint8)
-    return Background(pixels, floor, light)
+    return Background(frozen(pixels), frozen(floor), frozen(light))
 
 
 def _floor_points(camera: PinholeCamera, width: int, height: int) -> FloatImage:
