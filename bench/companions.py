@@ -10,14 +10,14 @@ import os
 import select
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from rich.console import Console
 from rich.progress import track
 
-from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.scheduling.realtime import ask_priority, exact_timers
 
 ROOT = Path(__file__).parents[1]
@@ -28,6 +28,7 @@ STEP_S = 0.5
 BUSY = "while True: pass"
 
 Report = dict[str, Any]
+T = TypeVar("T")
 
 
 class Companion:
@@ -99,13 +100,15 @@ def busy_cores() -> Iterator[int]:
         yield len(cores)
 
 
+def stepwise(steps: Sequence[T], what: str) -> Iterator[T]:
+    """One step after the other; a terminal sees how far they are."""
+    console = Console(stderr=True)
+    yield from track(steps, what, console=console, disable=not console.is_terminal, transient=True)
+
+
 def sit_out(duration_s: float, what: str) -> None:
     """Let a measurement last [s]; a terminal sees how far it is."""
-    clock = MonotonicClock()
-    end = after(clock.now(), duration_s)
-    steps = range(max(round(duration_s / STEP_S), 1))
-    console = Console(stderr=True)
-    wake = select.poll()
-    for _ in track(steps, what, console=console, disable=not console.is_terminal, transient=True):
-        wake.poll(max(min(seconds_between(clock.now(), end), STEP_S), 0.0) * 1e3)
-    wake.poll(max(seconds_between(clock.now(), end), 0.0) * 1e3)
+    begun = time.monotonic()
+    count = max(round(duration_s / STEP_S), 1)
+    for step in stepwise(range(count), what):
+        time.sleep(max(begun + (step + 1) * duration_s / count - time.monotonic(), 0.0))

@@ -4,10 +4,10 @@ One process, prepared as the executive prepares its own (garbage frozen, memory 
 collects garbage when the executive does, every 10 s between two frames. What pauses a frame beyond the median of the
 same picture, which comes round hundreds of times, is Python's doing when garbage was collected in it, or when memory
 had to be fetched (a page fault): every frame is asked for both. Beside it on the same core, at a higher priority,
-sleeps ``sleeper``: what it oversleeps while a frame is worked on is the machine's standing still, and is taken off. A machine
-that is merely slow for a while, as one is whose processor others share, shows in neither; such frames are told apart.
-The first second is warm-up and does not count. The control is Python as it comes: collecting when it likes, no memory
-locked, for a sixth of the frames.
+sleeps ``sleeper``: what it oversleeps while a frame is worked on is the machine's standing still, and is taken off. A
+machine that is merely slow for a while, as one is whose processor others share, shows in neither; such frames are told
+apart. The first second is warm-up and does not count. The control is Python as it comes: collecting when it likes, no
+memory locked, for a sixth of the frames.
 
     python -m bench.pauses CORE FRAMES HOW        the process itself, which prints JSON; ``run`` starts it
 """
