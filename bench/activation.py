@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from bench.activation_task import FOLDER, begins_of
-from bench.companions import busy_cores, sit_out
+from bench.companions import sit_out
+from bench.load import full_load
 from bench.runner import Row
 from bench.service import configured, running_service
 from bench.twins.build import build_program
@@ -97,8 +98,8 @@ def run(seconds: float = 60.0) -> list[Row]:
         stack.callback(attached.close)
         sit_out(SETTLE_S, "activation: settling")
         rows += _measure(attached, folder, program, seconds, "unloaded", GOAL_US)
-        with busy_cores() as cores:
-            name = f"{cores} busy processes on {cores} cores"
+        with full_load() as load:
+            name = f"a busy process on each of {len(load.processes)} cores"
             rows += _measure(attached, folder, program, seconds, name, None)
         rows += _policies(attached)
     return rows

@@ -3,10 +3,8 @@
 They keep time as well as they may: ``keep_time`` asks for SCHED_FIFO and says what came of it.
 """
 
-import contextlib
 import gc
 import json
-import os
 import select
 import subprocess
 import sys
@@ -25,7 +23,6 @@ READY = "ready"
 BELOW_SERVE = 38
 """Real-time priority of who watches the pipeline: below everything between a frame and its datagrams."""
 STEP_S = 0.5
-BUSY = "while True: pass"
 
 Report = dict[str, Any]
 T = TypeVar("T")
@@ -86,18 +83,6 @@ def keep_time(priority: int) -> str:
 def told_to_end(timeout_s: float = 0.0) -> bool:
     """Has standard input ended? Waits for it up to a timeout [s]."""
     return bool(select.select([sys.stdin], [], [], timeout_s)[0])
-
-
-@contextlib.contextmanager
-def busy_cores() -> Iterator[int]:
-    """Full background load: one ordinary process that never rests on each core; yields how many they are."""
-    cores = sorted(os.sched_getaffinity(0))
-    with contextlib.ExitStack() as stack:
-        for core in cores:
-            process = stack.enter_context(subprocess.Popen([sys.executable, "-c", BUSY]))
-            stack.callback(process.kill)
-            os.sched_setaffinity(process.pid, {core})
-        yield len(cores)
 
 
 def stepwise(steps: Sequence[T], what: str) -> Iterator[T]:

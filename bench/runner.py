@@ -13,7 +13,10 @@ from typing import Any
 
 Row = dict[str, Any]
 
-BENCHMARKS = ("accuracy", "segmentation", "loop", "views", "fanout", "clients", "growing", "recovery")
+BENCHMARKS = (
+    *("accuracy", "segmentation", "loop", "views", "fanout", "growing", "torn", "scheduling"),
+    *("activation", "handover", "dashboards", "pauses", "clients", "faults"),
+)
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
 KEYS = ("name", "value", "unit", "twin", "ratio", "goal", "met")
 OUT = Path(__file__).with_name("out")

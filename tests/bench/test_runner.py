@@ -1,6 +1,7 @@
 """What benchmarks print."""
 
 import json
+from importlib import import_module
 
 import pytest
 
@@ -20,3 +21,8 @@ def test_a_result_has_every_key(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert said["results"][1]["met"] is None
     runner.run_all(("accuracy",), as_json=False)
     assert "NOT MET" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", runner.BENCHMARKS)
+def test_every_benchmark_can_be_run(name: str) -> None:
+    assert callable(import_module(f"bench.{name}").run)
