@@ -13,6 +13,7 @@ from rich.table import Table
 from vision_core.errors import ServiceError
 
 if TYPE_CHECKING:
+    from vision_core.clock import Instant
     from vision_core.net.control import Attached
 
 EVERY_S = 0.5
@@ -61,10 +62,13 @@ class _View:
     """What is shown."""
 
     def __init__(self, attached: "Attached") -> None:
+        from vision_core.rtdb import records
+
         self._attached = attached
         self.name = attached.name
         self._readers = {name: attached.store.reader(name) for name in attached.store.specs}
         self._writers = _writers(attached)
+        self._processes = records.PROCESSES.reader(attached.store)
         self._looks: deque[tuple[float, dict[str, int]]] = deque(maxlen=RATE_OVER + 1)
 
     def runs(self) -> bool:
@@ -84,7 +88,10 @@ class _View:
         for column in ("written", "rate [Hz]", "age", "bytes"):
             next(c for c in table.columns if c.header == column).justify = "right"
         (first_s, first), (last_s, last) = self._looks[0], self._looks[-1]
+        ended = self._ended(now)
         for name, reader in sorted(self._readers.items()):
+            if name in ended:
+                continue
             glance = reader.glance()
             spec = self._attached.store.specs[name]
             if glance is None:
@@ -103,6 +110,12 @@ class _View:
                 style="" if valid else "red",
             )
         return table
+
+    def _ended(self, now: "Instant") -> set[str]:
+        """Beats of what ran once and is done: it is not expected to live."""
+        timed = self._processes.read(now)
+        rows = timed.value.processes if timed is not None else ()
+        return {f"beat/{row.name}" for row in rows if row.state == "done"}
 
 
 def _writers(attached: "Attached") -> dict[str, str]:
