@@ -5,7 +5,7 @@ import select
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
+from vision_core.clock import NS_PER_S, Instant, MonotonicClock, after, seconds_between
 from vision_core.rtdb import records
 from vision_core.rtdb.attachment import Attachment
 from vision_core.rtdb.infos import Proposal
@@ -18,6 +18,7 @@ from vision_core.scheduling.realtime import (
     exact_timers,
     freeze_garbage,
     lock_memory,
+    sleep_until,
     stay_on,
 )
 from vision_core.scheduling.releases import Grid, Release, Trigger
@@ -59,6 +60,8 @@ class Executive:
         self._tasks = [self._running(handle, step) for handle, step in started]
         self._chores = [chore for handle, _ in started for chore in handle.chores]
         self._listeners = {key: value for handle, _ in started for key, value in handle.listeners.items()}
+        wake = attachment.handed.wake
+        self._listening = [*self._listeners] if wake is None else [wake, *self._listeners]
         self._priority: int | None = None
         self._standing = Standing("", "")
         self._kept = ""
@@ -94,7 +97,6 @@ class Executive:
     def _turn(self) -> None:
         """Run the first task that is due, or wait until one is."""
         now = self._clock.now()
-        self._attachment.beat(now)
         if self._proposed.sequence != self._obeyed:
             self._obey()
         for running in self._tasks:
@@ -120,10 +122,13 @@ class Executive:
                 self._attachment.notify(writer.spec.name)
         if done_anything is not False:
             running.gauge.ran(release, done)
-        self._publish(running, self._clock.now())
+        now = self._clock.now()
+        self._attachment.beat(now)
+        self._publish(running, now)
 
     def _wait(self, now: Instant) -> None:
         """Tell how the tasks do, tidy up, and sleep until the next release or beat."""
+        self._attachment.beat(now)
         for running in self._tasks:
             self._publish(running, now)
         if now - self._collected > COLLECT_EVERY_NS:
@@ -139,16 +144,17 @@ class Executive:
             for running in self._tasks
             if running.task.enabled and isinstance(running.schedule, Grid)
         ]
-        left_s = min((seconds_between(self._clock.now(), instant) for instant in due), default=BEAT_EVERY_S)
-        self._sleep(min(left_s, BEAT_EVERY_S))
+        self._sleep(min([after(now, BEAT_EVERY_S), *due]))
 
-    def _sleep(self, timeout_s: float) -> None:
-        """Until a release, a beat, or something to hear, which is handled."""
-        wake = self._attachment.handed.wake
-        listening = [*self._listeners] if wake is None else [wake, *self._listeners]
-        ready, _, _ = select.select(listening, [], [], max(timeout_s, 0.0))
+    def _sleep(self, until: Instant) -> None:
+        """Until an instant, or before that a release or something to hear, which is handled."""
+        if not self._listening:
+            sleep_until(until)
+            return
+        left_s = seconds_between(self._clock.now(), until)
+        ready, _, _ = select.select(self._listening, [], [], max(left_s, 0.0))
         for descriptor in ready:
-            if descriptor == wake:
+            if descriptor == self._attachment.handed.wake:
                 self._attachment.clear()
             else:
                 self._listeners[descriptor]()

@@ -9,14 +9,18 @@ import ctypes
 import gc
 import os
 import resource
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from vision_core.clock import NS_PER_S, Instant
 
 MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4
 PR_SET_TIMERSLACK = 29
 CAP_IPC_LOCK = 14
+TIMER_ABSTIME = 1
 NICE = -10
 """Of a process that may not have real-time priority but may be nice to itself."""
 ORDINARY = "ordinary"
@@ -101,6 +105,20 @@ def stay_on(cores: Sequence[int]) -> str:
         there = ", ".join(map(str, sorted(os.sched_getaffinity(0))))
         return f"cores {', '.join(map(str, cores))} are refused: {error.strerror}; there are {there}"
     return ""
+
+
+class _Timespec(ctypes.Structure):
+    _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
+
+
+_library = ctypes.CDLL(None)
+_instant = _Timespec()
+
+
+def sleep_until(instant: Instant) -> None:
+    """Sleep until an instant, or a signal. The kernel is told the instant itself: no delay on the way there adds up."""
+    _instant.seconds, _instant.nanoseconds = divmod(instant, NS_PER_S)
+    _library.clock_nanosleep(time.CLOCK_MONOTONIC, TIMER_ABSTIME, ctypes.byref(_instant), None)
 
 
 def freeze_garbage() -> None:
