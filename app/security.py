@@ -33,4 +33,9 @@ class SecurityHeaders:
 
 def is_same_origin(origin: str | None, host: str | None) -> bool:
     """May a WebSocket be opened? A browser names the page's origin, and only our own may; programs name none."""
-    return origin is None or (host is not None and urlsplit(origin).netloc.lower() == host.lower())
+    if origin is None:
+        return True
+    try:
+        return host is not None and urlsplit(origin).netloc.lower() == host.lower()
+    except ValueError:  # no address at all
+        return False

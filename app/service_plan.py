@@ -29,7 +29,7 @@ PROPOSED = "proposed_settings"
 SPARES = 2
 SILENCE_S = 0.4
 """A process that has not beaten for so long is hung: it beats ten times a second. Beside that it may run on:"""
-SLOW_SOURCE_S = 2.0
+SLOW_SOURCE_S = 6.0
 """a camera's driver, which may block so long when the camera is gone,"""
 WEB_S = 0.8
 """the page, which beats less often,"""
@@ -167,6 +167,8 @@ def _listen(host: str, port: int) -> socket.socket:
 
 def _with_holder(error: ServiceError, *ports: int) -> ServiceError:
     """The same, with the process that has one of the UDP ports, if we may know it."""
+    if os.strerror(errno.EADDRINUSE) not in error.found:
+        return error
     holder = next((named for port in ports if port and (named := port_holder("udp", port))), None)
     return (
         error

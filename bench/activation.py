@@ -1,8 +1,10 @@
 """Activation of tasks of 50 ms: ours in the running service, and a program in C for each of them in the same run.
 
-Five tasks of five priorities run in processes of their own in the real service, beside the vision. For each there is a
-twin in C (``twins/activation.c``) of the same period and priority, halfway between two of ours in time. The camera's
-29.97 Hz fit into no period, so that its frames pass through all of them, ours and the twins', within half a minute.
+Five tasks of five priorities run in processes of their own in the real service. For each there is a twin in C
+(``twins/activation.c``) of the same period and priority, halfway between two of ours in time. Unloaded means that the
+vision rests: a camera of 1 Hz, all slow trackers switched off. Then it works as always, at higher priorities, alone and
+with a busy process on each core: the camera's 29.97 Hz fit into no period, so that its frames pass through all of them,
+ours and the twins', within half a minute.
 What counts is the interval between two activations, as each program reads the clock itself: the standard deviation of
 the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart.
 """
@@ -11,6 +13,7 @@ import contextlib
 import json
 import subprocess
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -58,7 +61,14 @@ TASKS = tuple(
     for priority, offset_ms in ((30, 31), (31, 41), (32, 1), (33, 11), (34, 21))
 )
 """Boundary, of priority 30 as well, begins 13 ms into every other of these periods: none of ours meets it as a peer."""
-SETTINGS = "\n".join([f"camera.rate_hz = {CAMERA_HZ}", "[tasks]", *(task.setting for task in TASKS)])
+RESTING = [
+    f"{name} = {{ enabled = false }}" for name in ("obstacles", "boundary", "lines", "exposure", "colors", "diagnose")
+]
+
+
+def settings_of(rate_hz: float, *lines: str) -> str:
+    """A service with our tasks beside a camera of a rate; lines: what else is changed of its task table."""
+    return "\n".join([f"camera.rate_hz = {rate_hz}", "[tasks]", *(task.setting for task in TASKS), *lines])
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,22 +97,31 @@ def regularity_of(activations: list[Floats]) -> Regularity:
 
 
 def run(seconds: float = 60.0) -> list[Row]:
-    """Without load and with it; seconds: how long each lasts."""
+    """Without load, beside the vision, and with load beside it; seconds: how long each lasts."""
     program, word = build_program("activation")
     rows: list[Row] = [] if program else [{"name": word}]
+    with _service(settings_of(1.0, *RESTING)) as (attached, folder):
+        rows += _measure(attached, folder, program, seconds, "unloaded", GOAL_US)
+    with _service(settings_of(CAMERA_HZ)) as (attached, folder):
+        rows += _measure(attached, folder, program, seconds, "beside the vision", None)
+        with full_load() as load:
+            name = f"beside the vision, a busy process on each of {len(load.processes)} cores"
+            rows += _measure(attached, folder, program, seconds, name, None)
+        rows += _policies(attached)
+    return rows
+
+
+@contextlib.contextmanager
+def _service(settings: str) -> Iterator[tuple[Attached, Path]]:
+    """A service that has settled, and the folder in which our tasks note when they began."""
     with contextlib.ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pslv-bench-")))
-        path = stack.enter_context(configured(SETTINGS))
+        path = stack.enter_context(configured(settings))
         service = stack.enter_context(running_service("--config", path, variables={FOLDER: str(folder)}))
         attached = attach_to(service.control)
         stack.callback(attached.close)
         sit_out(SETTLE_S, "activation: settling")
-        rows += _measure(attached, folder, program, seconds, "unloaded", GOAL_US)
-        with full_load() as load:
-            name = f"a busy process on each of {len(load.processes)} cores"
-            rows += _measure(attached, folder, program, seconds, name, None)
-        rows += _policies(attached)
-    return rows
+        yield attached, folder
 
 
 def _measure(

@@ -104,7 +104,12 @@ def _try_out(settings: "Settings") -> "SelfTest":
         if opened.returncode:
             lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
             raise PslvError((lines[-1] if opened.returncode == 2 else "\n".join(lines)) + _in_use_by(settings))
-        return msgspec.json.decode(timing.communicate()[0], type=SelfTest)
+        told = timing.communicate()[0]
+        if timing.returncode:
+            raise PslvError(
+                "self-test of the machine", found=f"exit status {timing.returncode}", accepted="pslv selftest"
+            )
+        return msgspec.json.decode(told, type=SelfTest)
 
 
 def _in_use_by(settings: "Settings") -> str:

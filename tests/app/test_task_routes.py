@@ -130,9 +130,9 @@ def test_a_web_process_that_was_started_again_goes_on(http: httpx.Client, servic
         ("obstacles", {"period_ms": 3.7e6}, "3700000.0", "less than or equal to 3600000"),
         ("obstacles", {"period_ms": 0.5}, "tasks.obstacles.period_ms: 0.5: an impossible rate", "1 ms or more"),
         (
-            "obstacles",
+            "boundary",
             {"period_ms": 5},
-            "tasks.obstacles.budget_ms: 15 for what comes every 5 ms: an impossible rate",
+            "tasks.boundary.budget_ms: 10 for what comes every 5 ms: an impossible rate",
             "at most the time between two releases",
         ),
         ("lines", {"period_ms": 0}, "tasks.lines.period_ms: 0", "a period: nothing else releases it"),

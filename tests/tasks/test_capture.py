@@ -2,17 +2,19 @@
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from vision_core.clock import MonotonicClock
+from vision_core.clock import Instant, MonotonicClock
 from vision_core.opencv import write_picture
+from vision_core.pace import OrderedKeeper
 from vision_core.rtdb import records
 from vision_core.rtdb.attachment import Attachment, HandDown
-from vision_core.rtdb.infos import Exposure
+from vision_core.rtdb.infos import Exposure, Order
 from vision_core.rtdb.store import create_block
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
@@ -35,6 +37,7 @@ class Stage:
         self.events = {name: os.eventfd(0, os.EFD_NONBLOCK) for name in ("capture", "source")}
         self.clock = MonotonicClock()
         self.attachments: list[Attachment] = []
+        self.handles: list[Handle] = []
 
     def start(self, name: str) -> Step:
         """A task as its process would start it."""
@@ -44,7 +47,8 @@ class Stage:
         attachment = Attachment(handed)
         self.attachments.append(attachment)
         start = {"capture": capture.start, "source": source.start}[name]
-        return start(Handle(self.table[name], attachment, self.settings))
+        self.handles.append(Handle(self.table[name], attachment, self.settings))
+        return start(self.handles[-1])
 
     def run(self, step: Step) -> Release:
         """Call a task once."""
@@ -144,6 +148,43 @@ def test_an_exposure_of_an_older_order_is_not_published(stage: Stage) -> None:
     records.exposures("main").writer(store).write(Exposure(1), stage.clock.now(), stage.clock.now())
     assert shoot(Release(stage.clock.now(), stage.clock.now())) is False
     assert store.reader("frames/main").sequence == 1
+
+
+def test_an_order_that_comes_while_another_is_filled_is_not_lost(stage: Stage) -> None:
+    step = stage.start("source")
+    store = stage.attachments[-1].store
+    orders, now = records.orders("main").writer(store), stage.clock.now()
+    orders.write(Order(1, 1, now), now, now)
+
+    def grab_and_be_asked(_keeper: OrderedKeeper) -> Instant:
+        """A new capture gives its first order while the old one's image is made."""
+        if orders.sequence == 1:
+            orders.write(Order(2, 1, now), now, now)
+        return now
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(OrderedKeeper, "wait", grab_and_be_asked)
+        assert step(Release(now, now))
+        assert step(Release(now, now))
+    filled = records.exposures("main").reader(store).value(now)
+    assert filled.number == 2
+
+
+def test_switched_off_and_on_capture_begins_with_an_image_of_now(stage: Stage) -> None:
+    player = Background(stage)
+    try:
+        shoot = stage.start("capture")
+        stage.run(shoot)
+        time.sleep(0.3)
+        stage.handles[-1].pause()
+        before = stage.clock.now()
+        release = stage.run(shoot)
+        frames = stage.attachments[-1].store.reader("frames/main").glance()
+        assert frames is not None
+        assert frames.measured >= before
+        assert release.missed == 0
+    finally:
+        player.end()
 
 
 @pytest.mark.slow

@@ -5,10 +5,12 @@ is a line of JSON; so is the answer, with the database's descriptor where that w
 """
 
 import contextlib
+import errno
 import json
 import os
 import select
 import socket
+import struct
 from typing import Any
 
 from vision_core.clock import Instant
@@ -18,6 +20,8 @@ from vision_core.rtdb.store import Store
 
 PREFIX = "pslv/"
 """Of the names of services."""
+CREDENTIALS = struct.Struct("3i")
+"""Process, user and group of a peer."""
 PATIENCE_S = 2.0
 CHUNK = 65536
 LONGEST_ANSWER = 1 << 20
@@ -113,6 +117,9 @@ def _exchange(name: str, request: bytes) -> tuple[bytes, list[int]]:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
         peer.settimeout(PATIENCE_S)
         peer.connect(f"\0{name}")
+        _, user, _ = CREDENTIALS.unpack(peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, CREDENTIALS.size))
+        if user not in (os.geteuid(), 0) and os.geteuid() != 0:
+            raise PermissionError(errno.EPERM, "it is another user's")
         peer.sendall(request)
         text, descriptors, _, _ = socket.recv_fds(peer, CHUNK, 1)
         while text and not text.endswith(b"\n") and len(text) < LONGEST_ANSWER:

@@ -20,7 +20,7 @@
 | orders/<camera> | capture | which image a simulated camera or a file is to deliver next |
 | exposures/<camera> | source | that it did |
 | lags | serve | histograms of the lags of server, network and clients |
-| selftest | selftest | how well this machine keeps time |
+| selftest | supervisor | how well this machine keeps time |
 | proposed_settings | web | what is to change while the service runs |
 | task/<task> | each task | how it stands and does |
 | timing/<task> | each task | its histograms |

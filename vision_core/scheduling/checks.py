@@ -133,6 +133,9 @@ def _rate(task: Task, camera_rate_hz: float) -> Iterator[Problem]:
     if task.trigger == PERIOD and not period_s:
         yield Problem(f"{key}.period_ms", "0", "a period: nothing else releases it")
         return
+    if task.trigger == NONE and (task.priority or task.cores or period_s):
+        yield Problem(f"{key}.priority", "a priority, a period or cores", "none of them: it has a loop of its own")
+        return
     if 0.0 < period_s < SHORTEST_PERIOD_S:
         yield Problem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}: an impossible rate", "1 ms or more")
         return

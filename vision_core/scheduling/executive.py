@@ -2,6 +2,7 @@
 
 import gc
 import select
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -13,7 +14,6 @@ from vision_core.rtdb.slots import SlotWriter
 from vision_core.scheduling.gauge import Gauge
 from vision_core.scheduling.handle import BEAT_EVERY_S, Handle, Step
 from vision_core.scheduling.realtime import (
-    Standing,
     ask_priority,
     exact_timers,
     freeze_garbage,
@@ -41,8 +41,8 @@ class _Running:
     gauge: Gauge
     schedule: Grid | Trigger | None
     """None: a driver's task, which is always due."""
-    heard: list[tuple[SlotWriter, int]]
-    """Its outputs that release others, and how often each was written when it last did."""
+    heard: list[SlotWriter]
+    """Its outputs that release others."""
     standing: str = ""
     refused: str = ""
 
@@ -63,7 +63,6 @@ class Executive:
         wake = attachment.handed.wake
         self._listening = [*self._listeners] if wake is None else [wake, *self._listeners]
         self._priority: int | None = None
-        self._standing = Standing("", "")
         self._kept = ""
         """What was refused beside the priority."""
 
@@ -78,11 +77,8 @@ class Executive:
 
     def _running(self, handle: Handle, step: Step) -> _Running:
         task, store = handle.task, self._attachment.store
-        heard = [
-            (writer, writer.sequence)
-            for name, writer in handle.outputs.items()
-            if self._attachment.handed.notify.get(name)
-        ]
+        heard = [writer for name, writer in handle.outputs.items() if self._attachment.handed.notify.get(name)]
+        handle.notified = {writer.spec.name: writer.sequence for writer in heard} | handle.notified
         gauge = Gauge(store, task, self._attachment.handed.process)
         return _Running(task, task, handle, step, gauge, self._schedule(task), heard)
 
@@ -116,26 +112,25 @@ class Executive:
             self._ask(running.task.priority)
         done_anything = running.step(release)
         done = self._clock.now()
-        for place, (writer, told) in enumerate(running.heard):
-            if writer.sequence != told:
-                running.heard[place] = writer, writer.sequence
-                self._attachment.notify(writer.spec.name)
-        if done_anything is not False:
+        for writer in running.heard:
+            if writer.sequence != running.handle.notified[writer.spec.name]:
+                running.handle.notify(writer.spec.name)
+        if done_anything is False:
+            running.gauge.missed(release.missed)
+        else:
             running.gauge.ran(release, done)
         now = self._clock.now()
         self._attachment.beat(now)
         self._publish(running, now)
+        if running.schedule is None:  # a driver's task never waits here
+            self._tidy(now)
 
     def _wait(self, now: Instant) -> None:
         """Tell how the tasks do, tidy up, and sleep until the next release or beat."""
         self._attachment.beat(now)
         for running in self._tasks:
             self._publish(running, now)
-        if now - self._collected > COLLECT_EVERY_NS:
-            gc.collect()
-            self._collected = now
-            for running in self._tasks:
-                running.gauge.collections += 1
+        self._tidy(now)
         highest = max((running.task.priority for running in self._tasks), default=0)
         if highest != self._priority:
             self._ask(highest)
@@ -145,6 +140,14 @@ class Executive:
             if running.task.enabled and isinstance(running.schedule, Grid)
         ]
         self._sleep(min([after(now, BEAT_EVERY_S), *due]))
+
+    def _tidy(self, now: Instant) -> None:
+        """Collect garbage now and then, when nothing is due."""
+        if now - self._collected > COLLECT_EVERY_NS:
+            gc.collect()
+            self._collected = now
+            for running in self._tasks:
+                running.gauge.collections += 1
 
     def _sleep(self, until: Instant) -> None:
         """Until an instant, or before that a release or something to hear, which is handled."""
@@ -177,33 +180,31 @@ class Executive:
                 running.schedule = self._schedule(wanted)
             if wanted.enabled != running.task.enabled:
                 running.gauge.pause()
+                running.handle.pause()
                 if running.schedule is not None:
                     running.schedule.forget()
             running.task = wanted
         self._tasks.sort(key=lambda running: -running.task.priority)
-        self._stand()
 
     def _go_real_time(self) -> None:
+        """Ask for everything once, so that what is refused is known; the highest priority last."""
         tasks = [running.task for running in self._tasks]
         refused = [stay_on(sorted({core for task in tasks for core in task.cores}))]
         if any(task.priority for task in tasks):
             refused.append(lock_memory().refused)
         self._kept = "; ".join(filter(None, refused))
-        self._ask(max(task.priority for task in tasks))
-        self._stand()
+        for priority in sorted({task.priority for task in tasks}):
+            self._ask(priority)
+        said = {running.refused for running in self._tasks} | {self._kept}
+        for line in sorted(filter(None, said)):
+            print(f"{self._attachment.handed.process}: {line}", file=sys.stderr, flush=True)
 
     def _ask(self, priority: int) -> None:
-        self._priority, self._standing = priority, ask_priority(priority)
-
-    def _stand(self) -> None:
-        """What each task may say of its policy: as its process's, at its own priority."""
-        fifo = self._standing.policy.startswith("FIFO")
+        """Run at a priority from now on, and note what its tasks got."""
+        self._priority, standing = priority, ask_priority(priority)
         for running in self._tasks:
-            priority = running.task.priority
-            running.standing = (
-                f"FIFO {priority}" if fifo and priority else self._standing.policy if priority else "ordinary"
-            )
-            running.refused = self._standing.refused if priority else ""
+            if running.task.priority == priority:
+                running.standing, running.refused = standing.policy, standing.refused
 
 
 def with_proposal(task: Task, proposal: Proposal) -> Task:

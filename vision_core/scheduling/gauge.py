@@ -49,6 +49,10 @@ class Gauge:
             self._intervals_ns.append(release.began - self._last_began)
         self._last_began = release.began
 
+    def missed(self, releases: int) -> None:
+        """Releases passed before a run that had nothing to do."""
+        self._missed += releases
+
     def pause(self) -> None:
         """The task was switched off: the time until its next run is no interval."""
         self._last_began = None

@@ -4,8 +4,6 @@ A task is a module with ``start(handle)``: it prepares whatever takes time and r
 at every release. The handle refuses records that the task's line does not name, so the table cannot lie.
 """
 
-import socket
-import time
 from collections.abc import Callable
 from typing import TypeAlias, TypeVar
 
@@ -14,6 +12,7 @@ from vision_core.errors import ServiceError
 from vision_core.rtdb.attachment import Attachment
 from vision_core.rtdb.items import Item, ItemReader, ItemWriter
 from vision_core.rtdb.slots import SlotReader, SlotWriter
+from vision_core.scheduling.realtime import sleep_until
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import Task
 from vision_core.settings import Settings
@@ -37,6 +36,9 @@ class Handle:
         self.listeners: dict[int, Callable[[], object]] = {}
         self.chores: list[Callable[[], object]] = []
         self.outputs: dict[str, SlotWriter] = {}
+        self.notified: dict[str, int] = {}
+        """How often each output was written when it last released somebody."""
+        self._on_pause: list[Callable[[], object]] = []
 
     @property
     def stopping(self) -> bool:
@@ -73,11 +75,8 @@ class Handle:
 
     def notify(self, record: str) -> None:
         """Release those who wait for a record, now; after a run this happens by itself."""
+        self.notified[record] = self.outputs[record].sequence
         self.attachment.notify(record)
-
-    def socket(self, name: str) -> socket.socket:
-        """A socket of the supervisor."""
-        return socket.socket(fileno=self.attachment.handed.sockets[name])
 
     def listen(self, descriptor: int, handler: Callable[[], object]) -> None:
         """Call a handler whenever a descriptor is readable, between runs."""
@@ -87,11 +86,20 @@ class Handle:
         """Call something after every run and wait, ten times a second at least."""
         self.chores.append(chore)
 
+    def when_switched(self, forget: Callable[[], object]) -> None:
+        """Call something when the task is switched off or on: what it had begun is of long ago then."""
+        self._on_pause.append(forget)
+
+    def pause(self) -> None:
+        """The task is switched off or on."""
+        for forget in self._on_pause:
+            forget()
+
     def sleep(self, duration_s: float) -> None:
         """Sleep [s] without being taken for dead; shorter when the service stops."""
         end = after(self.clock.now(), duration_s)
-        while (left_s := seconds_between(self.clock.now(), end)) > 0.0 and not self.stopping:
-            time.sleep(min(left_s, BEAT_EVERY_S))
+        while (now := self.clock.now()) < end and not self.stopping:
+            sleep_until(min(end, after(now, BEAT_EVERY_S)))
             self.attachment.beat(self.clock.now())
 
     def wait(self, timeout_s: float) -> bool:

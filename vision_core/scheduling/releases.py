@@ -15,6 +15,8 @@ class Release:
     began: Instant
     missed: int = 0
     """Releases that passed before this one without a run."""
+    sequence: int = 0
+    """Of the writing that releases it; 0 on a grid in time."""
 
 
 class Grid:
@@ -65,7 +67,8 @@ class Trigger:
             return None
         passed, self._seen = glance.sequence - self._seen - 1, glance.sequence
         missed = min(passed, at.missed) if self._grid is not None and at is not None else passed
-        return Release(glance.written, now, missed)
+        due = glance.written if self._grid is None or at is None else max(glance.written, at.due)
+        return Release(due, now, missed, glance.sequence)
 
     def forget(self) -> None:
         """What was written up to now was not missed: the task was switched off."""

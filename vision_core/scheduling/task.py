@@ -39,5 +39,7 @@ class Task:
     """Started only when the kernels are compiled."""
 
     def rate_hz(self, camera_rate_hz: float) -> float:
-        """How often it runs at most, by its own period or the camera's."""
-        return camera_rate_hz if self.period_s == 0.0 else min(1.0 / self.period_s, 1e9)
+        """How often it runs at most: by its period and, unless that alone releases it, by the camera."""
+        if self.trigger == PERIOD or self.period_s == 0.0:
+            return 1.0 / self.period_s if self.period_s else camera_rate_hz
+        return min(1.0 / self.period_s, camera_rate_hz)

@@ -13,7 +13,7 @@ passed on as fresh.
 import numpy as np
 
 from vision_core.capture.source import Source, is_device, open_source
-from vision_core.clock import seconds_between
+from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SourceError
 from vision_core.pace import RateKeeper
 from vision_core.rtdb import records
@@ -27,7 +27,7 @@ PATIENCE_S = 1.0
 
 
 def start(handle: Handle) -> Step:
-    """Open the device, if there is one."""
+    """Prepare for a device, which is opened with the first image, or for a source that is none."""
     return _from_device(handle) if is_device(handle.settings) else _from_orders(handle)
 
 
@@ -41,6 +41,7 @@ def _from_device(handle: Handle) -> Step:
     def opened() -> Source:
         fresh = open_source(handle.settings, handle.clock)
         now = handle.clock.now()
+        handle.attachment.beat(now)
         about.write(info_of(fresh, handle.settings.source.uri), now, now)
         return fresh
 
@@ -65,52 +66,71 @@ def _from_device(handle: Handle) -> Step:
 
 
 def _from_orders(handle: Handle) -> Step:
-    camera = handle.settings.camera
-    frames = handle.slots_to_fill(f"frames/{camera.name}")
-    orders = handle.writer(records.orders(camera.name))
-    exposures = handle.reader(records.exposures(camera.name))
-    about = handle.reader(records.source(camera.name))
-    size = camera.height_px * camera.width_px * 3
-    keeper: RateKeeper | None = None
-    order: Order | None = None
-    number = orders.sequence
-    skipped = 0
+    shutter = _Shutter(handle)
+    handle.when_switched(shutter.forget)
+    return shutter.step
 
-    def ordered(keeper: RateKeeper) -> Order:
-        """Ask for the image of the next instant."""
-        nonlocal number
-        number += 1
-        frames.begin()
-        fresh = Order(number, frames.next_slot, keeper.choose())
-        now = handle.clock.now()
-        orders.write(fresh, now, now)
-        handle.notify(records.orders(camera.name).spec.name)
-        return fresh
 
-    def step(release: Release) -> bool:
-        nonlocal keeper, order, skipped
+class _Shutter:
+    """Orders images on a grid in time, and publishes each at its instant."""
+
+    def __init__(self, handle: Handle) -> None:
+        camera = handle.settings.camera
+        self._handle = handle
+        self._size = camera.height_px * camera.width_px * 3
+        self._frames = handle.slots_to_fill(f"frames/{camera.name}")
+        self._orders = handle.writer(records.orders(camera.name))
+        self._exposures = handle.reader(records.exposures(camera.name))
+        self._about = handle.reader(records.source(camera.name))
+        self._number = self._orders.sequence
+        self._keeper: RateKeeper | None = None
+        self._order: Order | None = None
+        self._skipped = 0
+
+    def forget(self) -> None:
+        """Begin a grid of our own anew, with an image of now."""
+        self._keeper = self._order = None
+
+    def step(self, release: Release) -> bool:
+        """Publish the next image; False when it has not come, or nobody says what the source is."""
+        order = self._order = self._order or self._ordered()
         if order is None:
-            told = about.read(handle.clock.now())
-            if told is None:
-                handle.wait(PATIENCE_S)
-                return False
-            if keeper is None or keeper.rate_hz != told.value.rate_hz:
-                keeper, skipped = RateKeeper(told.value.rate_hz, handle.clock, handle.sleep), 0
-            order = ordered(keeper)
-        assert keeper is not None
-        keeper.sleep()
-        while (filled := exposures.read(handle.clock.now())) is None or filled.value.number != order.number:
-            if not handle.wait(PATIENCE_S):
-                late_s = seconds_between(order.instant, handle.clock.now())
-                handle.note = f"no image of the source: it is {late_s:.1f} s late"
-                return False
-        release.due, release.began = max(order.instant, filled.written), handle.clock.now()
-        release.missed, skipped = keeper.skipped - skipped, keeper.skipped
-        frames.commit(size, order.instant, release.began)
-        order, handle.note = None, ""
+            self._handle.wait(PATIENCE_S)
+            return False
+        self._handle.sleep(seconds_between(self._handle.clock.now(), order.instant))
+        filled = self._waited_for(order)
+        if filled is None or self._handle.stopping:
+            return False
+        release.due, release.began = max(order.instant, filled), self._handle.clock.now()
+        assert self._keeper is not None
+        release.missed, self._skipped = self._keeper.skipped - self._skipped, self._keeper.skipped
+        self._frames.commit(self._size, order.instant, release.began)
+        self._order, self._handle.note = None, ""
         return True
 
-    return step
+    def _ordered(self) -> Order | None:
+        """Ask for the image of the next instant; None before the source has said at which rate it delivers."""
+        told = self._about.read(self._handle.clock.now())
+        if told is None:
+            return None
+        if self._keeper is None or self._keeper.rate_hz != told.value.rate_hz:
+            self._keeper, self._skipped = RateKeeper(told.value.rate_hz, self._handle.clock), 0
+        self._number += 1
+        self._frames.begin()
+        order = Order(self._number, self._frames.next_slot, self._keeper.choose())
+        now = self._handle.clock.now()
+        self._orders.write(order, now, now)
+        self._handle.notify(records.orders(self._handle.settings.camera.name).spec.name)
+        return order
+
+    def _waited_for(self, order: Order) -> Instant | None:
+        """When the image of an order was there; None when it has not come within PATIENCE_S."""
+        while (filled := self._exposures.read(self._handle.clock.now())) is None or filled.value.number != order.number:
+            if not self._handle.wait(PATIENCE_S):
+                late_s = seconds_between(order.instant, self._handle.clock.now())
+                self._handle.note = f"no image of the source: it is {late_s:.1f} s late"
+                return None
+        return filled.written
 
 
 def info_of(source: Source, uri: str) -> SourceInfo:

@@ -35,7 +35,6 @@ class Images:
                 continue
             np.copyto(flat, np.frombuffer(glance.payload, dtype=np.uint8))
             if self._frames.holds(glance):
-                self._handle.note = ""
                 return ImageFrame(self._camera, glance.sequence, Instant(glance.measured), self._copy)
             self.overtaken += 1
             self._handle.note = f"the camera overtook {self.overtaken} copies of its images"

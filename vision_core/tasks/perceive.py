@@ -32,6 +32,7 @@ def start(handle: Handle) -> Step:
         if glance is None or glance.sequence == perceived:
             return False
         perceived = glance.sequence
+        release.missed += glance.sequence - release.sequence  # newer ones have come since the release
         seen = perception.perceive(_image_from(glance, camera), handle.clock)
         if not frames.holds(glance):  # the ring went round while we looked: what we saw is a mixture
             handle.note = "the camera overtook the last look: it was thrown away"

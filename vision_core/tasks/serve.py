@@ -38,6 +38,7 @@ def start(handle: Handle) -> Step:
     warm_up_views(handle.settings)
     server = Server(handle)
     handle.listen(server.fileno(), server.hear)
+    handle.every_turn(server.hear)  # also when every frame is late
     handle.every_turn(server.publish_if_due)
     return server.serve_newest
 
@@ -80,12 +81,15 @@ class Server:
         """Take what clients said."""
         self._note(self._udp.handle_readable())
 
-    def serve_newest(self, _release: Release) -> bool:
+    def serve_newest(self, release: Release) -> bool:
         """Send the newest frame's views, then write down what was sent."""
         seen = self._sightings.read(self._clock.now())
         if seen is None or seen.sequence == self._newest:
             return False
         self._newest = seen.sequence
+        release.missed += seen.sequence - release.sequence  # newer ones have come since the release
+        if not seen.valid:  # a source that stood still delivers: nobody is told of a field of long ago
+            return False
         self._seen.load(seen.value)
         served = self._serve(seen.measured)
         if served.last is not None:

@@ -20,7 +20,7 @@ def start(handle: Handle) -> Step:
     """Open the file, or build the world."""
     player = _Player(handle)
     player.fill()
-    handle.every_turn(player.fill)  # an order that a predecessor left unfilled, a file that could not be read
+    handle.every_turn(player.reopen)
     return lambda _release: player.fill()
 
 
@@ -43,21 +43,28 @@ class _Player:
         done = handle.reader(records.exposures(camera.name)).read(handle.clock.now())
         order = self._orders.read(handle.clock.now())
         if done and order and done.value.number == order.value.number:
-            self._filled = order.sequence  # by a predecessor; its image is published
+            self._filled = order.sequence  # by a predecessor, who perhaps could not say so any more
+            handle.notify(records.exposures(camera.name).spec.name)
+
+    def reopen(self) -> None:
+        """Try again to open a source that could not be read."""
+        if self._source is None:
+            self.fill()
 
     def fill(self) -> bool:
         """Fill the newest order, if that is not done; was there anything to do?"""
         try:
             source = self._source or self._open()
-            if source is None or self._orders.sequence == self._filled:
+            timed = self._orders.read(self._handle.clock.now())
+            if source is None or timed is None or timed.sequence == self._filled:
                 return False
-            order = self._orders.value(self._handle.clock.now())
+            order = timed.value
             self._keeper.order(order.instant)
             source.grab(np.frombuffer(self._frames.payload(order.slot), dtype=np.uint8).reshape(self._shape))
         except SourceError as error:
             self._source, self._handle.note = None, str(error)
             return False
-        self._filled, now = self._orders.sequence, self._handle.clock.now()
+        self._filled, now = timed.sequence, self._handle.clock.now()
         self._exposures.write(Exposure(order.number), now, now)
         self._handle.notify(records.exposures(self._handle.settings.camera.name).spec.name)
         self._handle.note = ""

@@ -23,11 +23,14 @@ from vision_core.settings import Settings, TaskSettings
 
 GIVEN = ("service", "processes", "selftest")
 """Records that no task writes: the supervisor does, and what runs once at the start."""
+COMPILER = "compile"
 SOURCE = "source"
 """Task that plays the camera, when there is none."""
 LARGEST_OWN = 65536
 """Record of a task of one's own [bytes]."""
 PERIODS_VALID = 3.0
+MOST_VALID_HZ = 12.0
+"""A record of a faster task of one's own is valid for as long as one of this rate: a quarter of a second."""
 S_PER_MS = 1e-3
 
 
@@ -129,9 +132,23 @@ def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
     unknown = (name for name in settings.tasks if name not in names)
     accepted = f"{', '.join(sorted(names))}, or with a module a task of your own"
     strangers = [Problem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
-    for problem in (*strangers, *problems(tasks, GIVEN, settings.camera.rate_hz)):
+    told = [f"{kind}/{task.name}" for task in tasks for kind in ("task", "timing")]
+    beats = [f"beat/{process}" for process in (COMPILER, *{task.process for task in tasks})]
+    found = problems(tasks, (*GIVEN, *told, *beats), settings.camera.rate_hz)
+    for problem in (*strangers, *_misplaced(settings), *found):
         where = f"{place_of(problem.key)}: {problem.key}"
         raise SettingsError(where, found=problem.found, accepted=problem.accepted)
+
+
+def _misplaced(settings: Settings) -> Iterator[Problem]:
+    """What a line may not say: of a task that has its place on this page, or of one that has none."""
+    ours = {task.name for task in _page(settings)} | {SOURCE}
+    for name, times in settings.tasks.items():
+        if name in ours and (times.module or times.reads or times.writes or times.trigger != "period"):
+            said = "module, trigger, reads or writes"
+            yield Problem(f"tasks.{name}", said, "its times only: vision_core/tasks/table.py says the rest")
+        if COMPILER in (name, times.process):
+            yield Problem(f"tasks.{name}", COMPILER, "another name: this one has a process of its own")
 
 
 def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[str]) -> tuple[RecordSpec, ...]:
@@ -150,7 +167,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
     ]
     there = {spec.name for spec in declared}
     own = [
-        RecordSpec(record, LARGEST_OWN, PERIODS_VALID * task.period_s)
+        RecordSpec(record, LARGEST_OWN, PERIODS_VALID / min(task.rate_hz(camera.rate_hz), MOST_VALID_HZ))
         for task in tasks
         for record in task.writes
         if record not in there

@@ -74,7 +74,8 @@ class SyntheticCamera:
         """
         renderer = self._renderer
         instant = self.keeper.choose()
-        self._world.advance(min((self.keeper.number - self._shown) / self.rate_hz, LONGEST_LEAP_S))
+        periods = max(self.keeper.number - self._shown, 0)
+        self._world.advance(min(periods / self.rate_hz, LONGEST_LEAP_S))
         self._shown = self.keeper.number
         scene = self._world.snapshot()
         self._last = instant, scene
