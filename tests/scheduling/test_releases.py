@@ -92,9 +92,8 @@ def test_a_writing_releases_once_and_those_that_were_overwritten_are_counted(
     record: tuple[SlotWriter, SlotReader],
 ) -> None:
     writer, reader = record
-    writer.write(b"old", at(0), at(0))
     trigger = Trigger(reader, ORIGIN, 0.0)
-    assert trigger.take(at(1)) is None  # it was there before
+    assert trigger.take(at(1)) is None
     for ms in (10, 20, 30):
         writer.write(b"new", at(ms), at(ms))
     release = trigger.take(at(31))
@@ -121,8 +120,17 @@ def test_a_trigger_that_was_off_has_missed_nothing(record: tuple[SlotWriter, Slo
     for ms in range(5):
         writer.write(b"", at(ms), at(ms))
     trigger.forget()
-    assert trigger.take(at(6)) is None
-    writer.write(b"", at(7), at(7))
-    release = trigger.take(at(8))
+    release = trigger.take(at(6))
     assert release is not None
-    assert release.missed == 0
+    assert (release.due, release.missed) == (at(4), 0)
+    assert trigger.take(at(7)) is None
+
+
+def test_to_a_new_task_the_newest_writing_is_news(record: tuple[SlotWriter, SlotReader]) -> None:
+    writer, reader = record
+    for ms in range(5):
+        writer.write(b"", at(ms), at(ms))
+    trigger = Trigger(reader, ORIGIN, 0.0)
+    release = trigger.take(at(100))
+    assert release is not None
+    assert (release.due, release.sequence, release.missed) == (at(4), 5, 0)

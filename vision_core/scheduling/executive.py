@@ -184,6 +184,7 @@ class Executive:
                 if running.schedule is not None:
                     running.schedule.forget()
             running.task = wanted
+            running.gauge.hurry()  # whoever asked looks at once
         self._tasks.sort(key=lambda running: -running.task.priority)
 
     def _go_real_time(self) -> None:

@@ -29,7 +29,7 @@ class Gauge:
         self._responses_ns: list[int] = []
         self._intervals_ns: deque[int] = deque(maxlen=INTERVALS_KEPT)
         self._last_began: Instant | None = None
-        self._published = Instant(0)
+        self._published, self._hurried = Instant(0), False
         self.collections = 0
         self.note = ""
 
@@ -57,9 +57,13 @@ class Gauge:
         """The task was switched off: the time until its next run is no interval."""
         self._last_began = None
 
+    def hurry(self) -> None:
+        """The next chance to publish is to be taken."""
+        self._hurried = True
+
     def publish_if_due(self, now: Instant, task: Task, standing: str, refused: str) -> None:
         """Write the records when half a second has passed. task: as it is in effect now."""
-        if now - self._published >= PUBLISH_EVERY_NS:
+        if self._hurried or now - self._published >= PUBLISH_EVERY_NS:
             self.publish(now, task, standing, refused)
 
     def publish(self, now: Instant, task: Task, standing: str, refused: str) -> None:
@@ -91,7 +95,7 @@ class Gauge:
         )
         self._writer.write(info, now, now)
         self._timing.write(self._histograms.encode(), now, now)
-        self._published = now
+        self._published, self._hurried = now, False
         self._responses_ns = []
 
 

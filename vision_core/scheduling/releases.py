@@ -51,11 +51,14 @@ class Grid:
 
 
 class Trigger:
-    """A record's writings; with a period, only the first one in each stretch of the grid."""
+    """A record's writings; with a period, only the first one in each stretch of the grid.
+
+    To who begins, the newest writing is news, however old: an order that nobody has filled still waits.
+    """
 
     def __init__(self, record: SlotReader, origin: Instant, period_s: float) -> None:
         self._record = record
-        self._seen = record.sequence
+        self._seen = max(record.sequence - 1, 0)
         self._grid = Grid(origin, period_s) if period_s else None
 
     def take(self, now: Instant) -> Release | None:
@@ -71,7 +74,7 @@ class Trigger:
         return Release(due, now, missed, glance.sequence)
 
     def forget(self) -> None:
-        """What was written up to now was not missed: the task was switched off."""
-        self._seen = self._record.sequence
+        """What was written up to now was not missed, the newest is news: the task was switched off or on."""
+        self._seen = max(self._record.sequence - 1, 0)
         if self._grid is not None:
             self._grid.forget()
