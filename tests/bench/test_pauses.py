@@ -7,7 +7,7 @@ from bench.pauses import pauses_of
 from vision_core.geometry import Floats
 
 PICTURES, ROUNDS = 4, 25
-BEGAN: Floats = np.arange(PICTURES * ROUNDS) * 0.002
+BEGAN: Floats = np.arange(PICTURES * ROUNDS, dtype=np.float64) * 0.002
 WORK = np.tile([0.0004, 0.0006, 0.0005, 0.0009], ROUNDS)
 
 
