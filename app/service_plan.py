@@ -15,7 +15,7 @@ from vision_core.capture.source import is_device
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.kernel_cache import kernel_folder
-from vision_core.net.udp import open_server_sockets
+from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.scheduling.task import DRIVER, NONE, Task
@@ -167,7 +167,7 @@ def _listen(host: str, port: int) -> socket.socket:
 
 def _with_holder(error: ServiceError, *ports: int) -> ServiceError:
     """The same, with the process that has one of the UDP ports, if we may know it."""
-    if os.strerror(errno.EADDRINUSE) not in error.found:
+    if error.found != TAKEN:
         return error
     holder = next((named for port in ports if port and (named := port_holder("udp", port))), None)
     return (

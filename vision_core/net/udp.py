@@ -21,6 +21,7 @@ SEND_BUFFER = 16384
 """Of a session: a few views; older ones are worth nothing [bytes]."""
 DSCP_EF = 46 << 2
 """Expedited forwarding, as the byte that holds it."""
+TAKEN = "another program has it"
 ANY_PORT_ATTEMPTS = 50
 IP_PKTINFO = getattr(socket, "IP_PKTINFO", 8)
 """Linux's number; the socket module learned the name late."""
@@ -198,7 +199,7 @@ def _no_port(host: str, port: int, error: OSError) -> ServiceError:
     accepted = "a port above 1023, or the right to open this one" if error.errno == errno.EACCES else "a free port"
     if error.errno == errno.EADDRNOTAVAIL:
         accepted = "an address of this machine"
-    found = "another program has it" if error.errno == errno.EADDRINUSE else error.strerror or str(error)
+    found = TAKEN if error.errno == errno.EADDRINUSE else error.strerror or str(error)
     return ServiceError(f"UDP port {port} of {host or 'all addresses'}", found=found, accepted=accepted)
 
 
