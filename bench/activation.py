@@ -1,7 +1,8 @@
 """Activation of tasks of 50 ms: ours in the running service, and a program in C for each of them in the same run.
 
 Five tasks of five priorities run in processes of their own in the real service. For each there is a twin in C
-(``twins/activation.c``) of the same period and priority, halfway between two of ours in time. Unloaded means that the
+(``twins/activation.c``) of the same period and priority, between two of ours in time: 2 ms after its task for a quarter
+of the run, then 4, 6 and 8 ms, since neighbors in time make more difference than the language. Unloaded means that the
 vision rests: a camera of 1 Hz, all slow trackers switched off. Then it works as always, at higher priorities, alone and
 with a busy process on each core: the camera's 29.97 Hz fit into no period, so that its frames pass through all of them,
 ours and the twins', within half a minute.
@@ -36,7 +37,7 @@ CENTRAL = 0.99
 GOAL_RATIO, GOAL_US = 1.2, 100.0
 SETTLE_S = 3.0
 TWIN_PATIENCE_S = 10.0
-TWIN_AFTER_MS = 5
+TWINS_AFTER_MS = (2, 4, 6, 8)
 CAMERA_HZ = 29.97
 NS_PER_US = 1000
 
@@ -127,30 +128,41 @@ def _service(settings: str) -> Iterator[tuple[Attached, Path]]:
 def _measure(
     attached: Attached, folder: Path, program: Path | None, seconds: float, load: str, goal_us: float | None
 ) -> list[Row]:
-    """Ours and the twins over the same stretch of time."""
+    """Ours and the twins over the same stretches of time, one for each place of the twins among ours."""
+    ours: list[Floats] = []
+    theirs: list[Floats] = []
+    said: set[str] = set()
+    for after_ms in TWINS_AFTER_MS:
+        start, end, reports = _stretch(attached, program, seconds / len(TWINS_AFTER_MS), load, after_ms)
+        ours += [_within(begins_of(folder / task.name).astype(np.float64), start, end) for task in TASKS]
+        theirs += [_within(np.array(report["wakes_ns"], dtype=np.float64), start, end) for report in reports]
+        said |= {f"{report['policy']}, {_refusal(report)}" for report in reports}
+    rows = _rows(load, regularity_of(ours), regularity_of(theirs) if theirs else None, goal_us)
+    return [*rows, *({"name": f"{load}: twins in C run under {words}"} for words in sorted(said))]
+
+
+def _stretch(
+    attached: Attached, program: Path | None, seconds: float, load: str, after_ms: int
+) -> tuple[int, int, list[dict[str, Any]]]:
+    """When it began and ended [ns of CLOCK_MONOTONIC], and what the twins of all tasks report."""
     with contextlib.ExitStack() as stack:
         twins = []
-        if program is not None:
-            for task in TASKS:
-                twins.append(_twin(program, task, attached.boot, seconds))
-                stack.callback(_end, twins[-1])
+        for task in TASKS if program is not None else ():
+            twins.append(_twin(program, task.priority, attached.boot, task.offset_ms + after_ms, seconds))
+            stack.callback(_end, twins[-1])
         start = MonotonicClock().now()
         sit_out(seconds, f"activation, {load}")
         end = MonotonicClock().now()
-        reports = [json.loads(twin.communicate(timeout=TWIN_PATIENCE_S)[0]) for twin in twins]
-    ours = [_within(begins_of(folder / task.name).astype(np.float64), start, end) for task in TASKS]
-    theirs = [_within(np.array(report["wakes_ns"], dtype=np.float64), start, end) for report in reports]
-    rows = _rows(load, regularity_of(ours), regularity_of(theirs) if theirs else None, goal_us)
-    return [*rows, *_twin_rows(load, reports)]
+        return start, end, [json.loads(twin.communicate(timeout=TWIN_PATIENCE_S)[0]) for twin in twins]
 
 
-def _twin(program: Path, task: Timed, boot: int, seconds: float) -> "subprocess.Popen[str]":
-    """A twin whose grid lies TWIN_AFTER_MS behind that of its task."""
+def _twin(program: Path | None, priority: int, boot: int, offset_ms: int, seconds: float) -> "subprocess.Popen[str]":
+    """A twin whose grid begins at an offset from the start of the service, as our tasks' grids do."""
     period, now = PERIOD_MS * NS_PER_MS, MonotonicClock().now()
-    origin = boot + (task.offset_ms + TWIN_AFTER_MS) * NS_PER_MS
+    origin = boot + offset_ms * NS_PER_MS
     first = origin + ((now - origin) // period + 2) * period
     count = round(seconds * NS_PER_S / period)
-    command = [str(program), str(period), str(count), str(task.priority), str(first)]
+    command = [str(program), str(period), str(count), str(priority), str(first)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
 
@@ -184,11 +196,6 @@ def _rows(load: str, ours: Regularity, twin: Regularity | None, goal_us: float |
         row("worst of the excluded, off the period by", "worst_us", "us"),
         row("releases without a run", "skipped", ""),
     ]
-
-
-def _twin_rows(load: str, reports: list[dict[str, Any]]) -> list[Row]:
-    said = {f"{report['policy']}, {_refusal(report)}" for report in reports}
-    return [{"name": f"{load}: twins in C run under {'; '.join(sorted(said))}"}] if said else []
 
 
 def _refusal(report: dict[str, Any]) -> str:
