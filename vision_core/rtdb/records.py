@@ -52,7 +52,8 @@ from vision_core.types.tracks import World
 from vision_core.types.views import Views
 
 WATCHED_S = 2.0
-"""What watches over the camera looks once in 0.8 s or more often."""
+"""By the settings as shipped, what watches over the camera looks once in 0.8 s or more often; slowed, its record is
+invalid in between."""
 SERVICE = packed("service", ServiceInfo, 65536, 0.0)
 PROCESSES = Item(  # the supervisor is standard library only
     RecordSpec("processes", 16384, 3.0), msgspec.json.Encoder(), msgspec.json.Decoder(Processes)
