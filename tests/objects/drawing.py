@@ -9,6 +9,7 @@ from vision_core.blobs.run_lengths import Segmenter
 from vision_core.camera_model import CameraModel, PinholeCamera
 from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.geometry import Bytes, Floats, frozen, rotation
+from vision_core.kernels import read_only
 from vision_core.pattern_files import CODE, TEAM, Pattern, load_pattern
 from vision_core.settings import Settings
 from vision_core.settings_files import load_settings
@@ -138,7 +139,7 @@ class Picture:
     def as_bytes(self, noise: float = 2.0, seed: int = 1) -> Bytes:
         """What the camera delivers."""
         noisy = self.pixels + np.random.default_rng(seed).normal(0.0, noise, self.pixels.shape)
-        return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+        return read_only(np.clip(np.rint(noisy), 0, 255).astype(np.uint8))
 
     def blobs(self, noise: float = 2.0, seed: int = 1, table: ColorTable = TABLE) -> Table:
         """BLOB table, shape (n,)."""

@@ -16,6 +16,7 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes, Floats
+from vision_core.kernels import read_only
 from vision_core.objects.centers import UNREFINED_SD, center_memory, refined_circle
 from vision_core.pattern_files import load_pattern
 from vision_core.settings import Settings
@@ -39,8 +40,7 @@ def picture(discs: list[Disc], ground: str = "body", noise: float = 2.0, seed: i
         fine[np.hypot(x - at_x, y - at_y) <= radius] = PAINTS[paint]
     coarse = fine.reshape(SIZE, FINE, SIZE, FINE, 3).mean(axis=(1, 3))
     noisy = coarse + np.random.default_rng(seed).normal(0.0, noise, coarse.shape)
-    seen: Bytes = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
-    return seen
+    return read_only(np.clip(np.rint(noisy), 0, 255).astype(np.uint8))
 
 
 def error_of(pixels: Bytes, truth: tuple[float, float], radius: float, start: tuple[float, float]) -> float:
@@ -95,10 +95,12 @@ def test_half_a_disc_at_the_edge_of_the_picture_is_no_error() -> None:
     assert all(math.isfinite(value) for value in (x, y, sd))
 
 
-def test_one_signature() -> None:
-    refined_circle(picture([]), 20.0, 20.0, 4.0, center_memory())
+def test_it_is_compiled_once_for_frames_and_drawings() -> None:
     kernel: Any = refined_circle
-    assert len(kernel.signatures) == 1
+    refined_circle(picture([]), 20.0, 20.0, 4.0, center_memory())
+    compiled = len(kernel.signatures)
+    refined_circle(read_only(np.zeros((60, 80, 3), dtype=np.uint8)), 20.0, 20.0, 7.5, center_memory())
+    assert len(kernel.signatures) == compiled
 
 
 def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
@@ -113,7 +115,8 @@ def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
     refined, plain, sds = [], [], []
     for _ in range(frames):
         source.grab(pixels)
-        count, _ = segmenter.segment(pixels, table)
+        seen = read_only(pixels)
+        count, _ = segmenter.segment(seen, table)
         centers = structured_to_unstructured(segmenter.blobs[["x_px", "y_px"]][:count])
         for robot in source.truth.robots:
             c, s = math.cos(robot.heading_rad), math.sin(robot.heading_rad)
@@ -123,7 +126,7 @@ def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
             for truth, radius in zip(truths, 0.5 * slots[:, 2] * scales, strict=True):
                 start = centers[np.hypot(*(centers - truth).T).argmin()]
                 if robot.in_picture and math.dist(start, truth) < 1.0:
-                    x, y, sd = refined_circle(pixels, float(start[0]), float(start[1]), float(radius), memory)
+                    x, y, sd = refined_circle(seen, float(start[0]), float(start[1]), float(radius), memory)
                     refined.append((x - truth[0], y - truth[1]))
                     plain.append(start - truth)
                     sds.append(sd)
