@@ -27,16 +27,16 @@ PREFIX = "pslv/"
 PROPOSED = "proposed_settings"
 """Every process looks at it in its own time; nobody is woken."""
 SPARES = 2
-SILENCE_S = 0.4
-"""A process that has not beaten for so long is hung: it beats ten times a second. Beside that it may run on:"""
+SILENCE_S = 0.3
+"""A process that has not beaten for so long and does not compute is hung: it beats ten times a second. Beside that"""
 SLOW_SOURCE_S = 6.0
-"""a camera's driver, which may block so long when the camera is gone,"""
+"""a camera's driver may block so long when the camera is gone,"""
 WEB_S = 0.8
-"""the page, which beats less often,"""
+"""the page beats less often,"""
 ORDINARY_S = 0.2
-"""a task without real-time priority, which others preempt,"""
+"""and a task without real-time priority may wait for a disk."""
 LONGEST_RUN_S = 4.0
-"""and a task for its period, but no longer than this."""
+"""A task may compute as long as its period or budget, but no longer than this."""
 BACKLOG = 128
 ROOM_FOR_ADDRESSES = 1024
 """In the record of the service, beside the settings [bytes]."""
@@ -105,6 +105,7 @@ def _compiler() -> ChildPlan:
         after_compile=False,
         once=True,
         heartbeat_s=LONGEST_RUN_S,
+        longest_run_s=LONGEST_RUN_S,
         spared=False,
     )
 
@@ -123,6 +124,7 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
             after_compile=any(task.needs_kernels for task in ours),
             once=False,
             heartbeat_s=SILENCE_S + max(_slack_s(task, settings) for task in ours),
+            longest_run_s=min(SILENCE_S + max(max(task.period_s, task.budget_s) for task in ours), LONGEST_RUN_S),
         )
 
 
@@ -135,12 +137,12 @@ def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:
 
 
 def _slack_s(task: Task, settings: Settings) -> float:
-    """How long a healthy process may be silent because of a task, beside SILENCE_S."""
+    """How long a healthy process may be silent without computing because of a task, beside SILENCE_S."""
     if task.trigger == NONE:
         return WEB_S
     if task.trigger == DRIVER and is_device(settings):
         return SLOW_SOURCE_S
-    return min(max(task.period_s, task.budget_s, 0.0 if task.priority else ORDINARY_S), LONGEST_RUN_S)
+    return 0.0 if task.priority else ORDINARY_S
 
 
 def _listen(host: str, port: int) -> socket.socket:

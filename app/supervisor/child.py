@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from app.supervisor.plan import ChildPlan
-from app.supervisor.priorities import hurry, settle
+from app.supervisor.priorities import hurry, hurry_to_end, settle
 from app.supervisor.vitals import time_spent, wants_to_run
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import VARIABLE, HandDown
@@ -17,7 +17,10 @@ from vision_core.rtdb.slots import SlotReader
 
 CRASHES_TO_DISABLE = 5
 CRASH_WINDOW_S = 60.0
+STEADY_S = 5.0
+"""A process that has lived for so long is replaced at once, whatever ended it; one that has not"""
 FIRST_DELAY_S = 0.25
+"""the second time after this, and each further time after twice as long."""
 START_PATIENCE_S = 60.0
 """A process that has not beaten once by then is taken for hung; a machine under load is slow to import."""
 WARM_PATIENCE_S = 10.0
@@ -57,6 +60,8 @@ class Child:
     """When it ended without having been asked [ns], over the last minute."""
     ended: int = 0
     """When it last did."""
+    fell: int = 0
+    """How often in a row it did so soon after its start."""
 
     @property
     def pid(self) -> int | None:
@@ -74,6 +79,7 @@ class Child:
 
     def start(self, now: int) -> None:
         """Start the process; that the machine has no room for it counts as its end."""
+        self.started = now
         environment = os.environ | {VARIABLE: self.handed.encode(), "PYTHONUNBUFFERED": "1"}
         try:
             process = subprocess.Popen(
@@ -129,6 +135,7 @@ class Child:
     def forgive(self, now: int) -> None:
         """Try a disabled process again, as if it had never ended."""
         self.ends.clear()
+        self.fell = 0
         self.state, self.due, self.ended = "restarting", now, now
         self.restarts += 1
 
@@ -144,12 +151,11 @@ class Child:
     def is_silent(self, now: int, watched: int) -> bool:
         """Has its beat stayed away for too long? watched: since when it would have been noticed [ns].
 
-        Who waits for a processor is not silent: that one is given the same time again, of the processor.
+        Who computes, or waits for a processor, is not silent before it has had its time of the processor.
         """
-        if self.pid is None or (self.plan.once and self.beaten):
+        if self.pid is None or (overdue_at := self.overdue_at(watched)) is None:
             return False
-        patience_ns = (self.plan.heartbeat_s if self.beaten else self.patience_s) * NS_PER_S
-        if now - max(self.beaten, self.started, watched) <= patience_ns:
+        if now <= overdue_at:
             self.spent = None
             return False
         if not wants_to_run(self.pid):
@@ -157,7 +163,21 @@ class Child:
         spent = time_spent(self.pid)
         if self.spent is None:
             self.spent = spent
-        return spent - self.spent > patience_ns
+        return spent - self.spent > (self.plan.longest_run_s if self.beaten else self.patience_s) * NS_PER_S
+
+    def overdue_at(self, watched: int) -> int | None:
+        """When its silence is too long, if it goes on [ns]; None when nothing is expected of it."""
+        if self.pid is None or self.killed or (self.plan.once and self.beaten):
+            return None
+        patience_s = self.plan.heartbeat_s if self.beaten else self.patience_s
+        return max(self.beaten, self.started, watched) + round(patience_s * NS_PER_S)
+
+    def kill(self) -> None:
+        """End it, since it hangs."""
+        if self.pid is not None:
+            self.signal(signal.SIGKILL)
+            hurry_to_end(self.pid)
+            self.killed = True
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal if the process still runs."""
@@ -188,7 +208,8 @@ class Child:
         if len(self.ends) >= CRASHES_TO_DISABLE:
             self.detail = f"{len(self.ends)} ends within a minute, the last {how.removeprefix('ended ')}"
             return
-        delay_s = 0.0 if len(self.ends) == 1 else FIRST_DELAY_S * 2.0 ** (len(self.ends) - 2)
+        self.fell = self.fell + 1 if now - self.started < STEADY_S * NS_PER_S else 0
+        delay_s = FIRST_DELAY_S * 2.0 ** (self.fell - 2) if self.fell > 1 else 0.0
         self.due = now + int(delay_s * NS_PER_S)
         self.state = "restarting"
         self.restarts += 1

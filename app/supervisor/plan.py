@@ -20,7 +20,9 @@ class ChildPlan:
     """Started when the process that runs once has ended well."""
     once: bool
     heartbeat_s: float
-    """Killed when its last beat is older."""
+    """Killed when its last beat is older and it does not compute,"""
+    longest_run_s: float
+    """or has computed for so long since then [s of the processor's time]."""
     spared: bool = True
     """A warm spare may take its place."""
 

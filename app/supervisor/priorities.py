@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+from pathlib import Path
 
 OWN = 91
 """Real-time priority of the supervisor, above that of every task: it only waits."""
@@ -19,6 +20,14 @@ def hurry(pid: int) -> None:
     """Let a spare prepare before other work. Round robin marks it: tasks that ask for real time get FIFO."""
     with contextlib.suppress(OSError):
         os.sched_setscheduler(pid, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(HURRIED))
+
+
+def hurry_to_end(pid: int) -> None:
+    """The same for the ordinary threads of a process that was killed: it has ended when the last of them has."""
+    with contextlib.suppress(OSError):
+        for thread in (int(path.name) for path in Path(f"/proc/{pid}/task").iterdir()):
+            if os.sched_getscheduler(thread) & ~os.SCHED_RESET_ON_FORK in (os.SCHED_OTHER, os.SCHED_BATCH):
+                hurry(thread)
 
 
 def settle(pid: int) -> None:

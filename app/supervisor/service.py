@@ -22,8 +22,9 @@ from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.store import Store, create_block
 
 TICK_S = 0.1
-LATE_S = 2 * TICK_S
-"""A turn that comes so long after the one before: the machine stood still, not the children."""
+SHORTEST_TICK_S = 0.02
+LATE_S = 0.1
+"""A turn that comes so much later than was planned: the machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
 STOP_PATIENCE_S = 1.5
 """Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
@@ -84,9 +85,10 @@ class Supervisor:
 
     def _turn(self) -> None:
         """Wait for something to happen, and do what follows from it."""
-        self._wait()
+        tick_s = self._tick_s()
+        self._wait(tick_s)
         now = time.monotonic_ns()
-        if now - self._turned > LATE_S * NS_PER_S:
+        if now - self._turned > (tick_s + LATE_S) * NS_PER_S:
             self._watched = now
         self._turned = now
         for child in self._everybody:
@@ -102,7 +104,14 @@ class Supervisor:
         self._control.hang_up(now)
         self._publish(now)
 
-    def _wait(self) -> None:
+    def _tick_s(self) -> float:
+        """How long nothing needs a look [s]: until a silence is too long, or a replacement is due."""
+        looks = [overdue for child in self._everybody if (overdue := child.overdue_at(self._watched)) is not None]
+        looks += [child.due for child in self._everybody if child.state == "restarting"]
+        left_s = (min(looks, default=self._turned) - self._turned) / NS_PER_S
+        return min(max(left_s, SHORTEST_TICK_S), TICK_S) if looks else TICK_S
+
+    def _wait(self, tick_s: float) -> None:
         poller = select.poll()
         poller.register(self._woken, select.POLLIN)
         for descriptor in self._control.descriptors():
@@ -112,7 +121,7 @@ class Supervisor:
                 poller.register(child.pidfd, select.POLLIN)
             if child.process is not None and child.process.stdout is not None:
                 poller.register(child.process.stdout, select.POLLIN)
-        for descriptor, _event in poller.poll(TICK_S * 1e3):
+        for descriptor, _event in poller.poll(tick_s * 1e3):
             if descriptor == self._woken.fileno():
                 with contextlib.suppress(BlockingIOError):
                     self._woken.recv(64)
@@ -141,10 +150,9 @@ class Supervisor:
             child.note_beat()
             if was_starting and child.state == "running" and child.ended and child in self.children:
                 self._tell(f"{child.plan.name} runs again after {(child.beaten - child.ended) / NS_PER_S:.2f} s")
-            if not child.killed and child.is_silent(now, self._watched):
+            if child.is_silent(now, self._watched):
                 self._tell(f"{child.plan.name} does not answer and is killed")
-                child.signal(signal.SIGKILL)
-                child.killed = True
+                child.kill()
 
     def _replace(self, child: Child, now: int) -> None:
         """Start a child again: with a warm spare if there is one."""

@@ -24,6 +24,7 @@ def spare_plans(plan: ServicePlan) -> tuple[ChildPlan, ...]:
             after_compile=True,
             once=False,
             heartbeat_s=SILENCE_S,
+            longest_run_s=SILENCE_S,
             spared=False,
         )
         for name in spare_names(plan.spares)

@@ -26,6 +26,7 @@ def main(arguments: list[str]) -> int:
             after_compile="job" in names and name != "job",
             once=name == "job",
             heartbeat_s=0.5,
+            longest_run_s=0.5,
             spared=name != "job",
         )
         for name in names
