@@ -1,10 +1,11 @@
 /* Twin of the executive's periodic release: wakes on an absolute grid of CLOCK_MONOTONIC.
 
-       activation PERIOD_NS COUNT PRIORITY [FIRST_NS]
+       activation PERIOD_NS COUNT PRIORITY [FIRST_NS [EARLY_NS]]
 
-   Release k is due at FIRST_NS + k * PERIOD_NS; without FIRST_NS the first is due one period after the start. Releases
-   that are past already when it could ask for them are skipped and counted, as ours are. With PRIORITY over 0 it asks
-   for SCHED_FIFO and locks its memory; where it may not, it says so and goes on.
+   Release k is due at FIRST_NS + k * PERIOD_NS; without FIRST_NS the first is due one period after the start. With
+   EARLY_NS it wakes so long before each and looks at the clock until the release is due, as ours do. Releases that
+   are past already when it could ask for them are skipped and counted, as ours are. With PRIORITY over 0 it asks for
+   SCHED_FIFO and locks its memory; where it may not, it says so and goes on.
 
    Prints JSON: {"policy", "locked", "refused", "first_ns", "period_ns", "skipped", "wakes_ns": [...]}. */
 
@@ -34,12 +35,13 @@ static void sleep_until(int64_t instant)
 }
 
 /* Fills the wakes; returns how many releases were skipped. */
-static int64_t run(int64_t first, int64_t period, int64_t count, int64_t *wakes)
+static int64_t run(int64_t first, int64_t period, int64_t count, int64_t early, int64_t *wakes)
 {
     int64_t release = first, skipped = 0;
     for (int64_t k = 0; k < count; k++) {
-        sleep_until(release);
-        wakes[k] = now_ns();
+        sleep_until(release - early);
+        do wakes[k] = now_ns();
+        while (wakes[k] < release);
         int64_t past = (wakes[k] - release) / period;
         skipped += past;
         release += (past + 1) * period;
@@ -51,8 +53,10 @@ int main(int count, char **words)
 {
     int64_t period = count > 1 ? atoll(words[1]) : 0, wanted = count > 2 ? atoll(words[2]) : 0;
     int priority = count > 3 ? atoi(words[3]) : -1;
-    if (count < 4 || count > 5 || period < 1 || wanted < 1 || priority < 0 || priority > 99) {
-        fprintf(stderr, "activation: %d arguments; accepted: PERIOD_NS >= 1, COUNT >= 1, PRIORITY 0 to 99 [FIRST_NS]\n",
+    int64_t early = count > 5 ? atoll(words[5]) : 0;
+    if (count < 4 || count > 6 || early < 0 || period < 1 || wanted < 1 || priority < 0 || priority > 99) {
+        fprintf(stderr, "activation: %d arguments; accepted: PERIOD_NS >= 1, COUNT >= 1, PRIORITY 0 to 99 "
+                "[FIRST_NS [EARLY_NS >= 0]]\n",
                 count - 1);
         return 2;
     }
@@ -66,8 +70,8 @@ int main(int count, char **words)
         else locked = 1;
         if (sched_setscheduler(0, SCHED_FIFO, &(struct sched_param){priority})) refused = "SCHED_FIFO";
     }
-    int64_t first = count == 5 ? atoll(words[4]) : now_ns() + period;
-    int64_t skipped = run(first, period, wanted, wakes);
+    int64_t first = count > 4 ? atoll(words[4]) : now_ns() + period;
+    int64_t skipped = run(first, period, wanted, early, wakes);
     printf("{\"policy\": \"%s\", \"locked\": %s, ", sched_getscheduler(0) == SCHED_FIFO ? "SCHED_FIFO" : "SCHED_OTHER",
            locked ? "true" : "false");
     if (refused) printf("\"refused\": \"%s\", ", refused);

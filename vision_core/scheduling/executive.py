@@ -25,6 +25,9 @@ from vision_core.scheduling.releases import Grid, Release, Trigger
 from vision_core.scheduling.task import DRIVER, PERIOD, Task
 
 COLLECT_EVERY_NS = 10 * NS_PER_S
+EARLY_NS = 200_000
+"""A process that waits for an instant alone wakes so long before it and looks at the clock until it comes: how late the
+kernel wakes a sleeper varies more than how long a look takes."""
 MS_PER_S = 1e3
 
 
@@ -95,14 +98,18 @@ class Executive:
         now = self._clock.now()
         if self._proposed.sequence != self._obeyed:
             self._obey()
-        for running in self._tasks:
-            if running.task.enabled and (release := self._take(running, now)) is not None:
-                self._run(running, release)
-                break
-        else:
+        if not self._run_first(now):
             self._wait(now)
         for chore in self._chores:
             chore()
+
+    def _run_first(self, now: Instant) -> bool:
+        """Run the first task that is due, if one is."""
+        for running in self._tasks:
+            if running.task.enabled and (release := self._take(running, now)) is not None:
+                self._run(running, release)
+                return True
+        return False
 
     def _take(self, running: _Running, now: Instant) -> Release | None:
         return Release(now, now) if running.schedule is None else running.schedule.take(now)
@@ -139,7 +146,15 @@ class Executive:
             for running in self._tasks
             if running.task.enabled and isinstance(running.schedule, Grid)
         ]
-        self._sleep(min([after(now, BEAT_EVERY_S), *due]))
+        beat = after(now, BEAT_EVERY_S)
+        if self._listening:
+            self._listen(min([beat, *due]))
+        elif due and min(due) < beat:
+            sleep_until(Instant(min(due) - EARLY_NS))
+            while not self._run_first(self._clock.now()) and not self._attachment.stopping:
+                pass
+        else:
+            sleep_until(beat)
 
     def _tidy(self, now: Instant) -> None:
         """Collect garbage now and then, when nothing is due."""
@@ -149,11 +164,8 @@ class Executive:
             for running in self._tasks:
                 running.gauge.collections += 1
 
-    def _sleep(self, until: Instant) -> None:
-        """Until an instant, or before that a release or something to hear, which is handled."""
-        if not self._listening:
-            sleep_until(until)
-            return
+    def _listen(self, until: Instant) -> None:
+        """Sleep until an instant, or before that a release or something to hear, which is handled."""
         left_s = seconds_between(self._clock.now(), until)
         ready, _, _ = select.select(self._listening, [], [], max(left_s, 0.0))
         for descriptor in ready:
