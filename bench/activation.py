@@ -9,7 +9,8 @@ vision rests: a camera of 1 Hz, all slow trackers switched off. Then it works as
 with a busy process on each core: the camera's 29.97 Hz fit into no period, so that its frames pass through all of them,
 ours and the twins', within half a minute.
 What counts is the interval between two activations, as each program reads the clock itself: the standard deviation of
-the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart.
+the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart. Where the
+machine stands still more often than once in 200 activations, those 99 % tell of the machine; the central 95 % do not.
 """
 
 import contextlib
@@ -36,7 +37,7 @@ from vision_core.rtdb import records
 from vision_core.scheduling.executive import EARLY_NS
 
 PERIOD_MS = 50
-CENTRAL = 0.99
+CENTRAL, USUAL = 0.99, 0.95
 GOAL_RATIO, GOAL_US = 1.2, 100.0
 SLEEPER, EARLY = "C that sleeps until the instant", "C that wakes as early as ours"
 SETTLE_S = 3.0
@@ -83,6 +84,8 @@ class Regularity:
     intervals: int
     deviation_us: float
     """Standard deviation of the central ones."""
+    usual_us: float
+    """The same of those that are called usual."""
     excluded: int
     worst_us: float
     """How far the worst of the excluded is from the period."""
@@ -94,11 +97,22 @@ def regularity_of(activations: list[Floats]) -> Regularity:
     """What the instants of activations tell [ns]; one array for each task, each over the same stretch of time."""
     intervals = np.concatenate([np.diff(instants) for instants in activations]) / NS_PER_US
     away = np.sort(np.abs(intervals - PERIOD_MS * NS_PER_MS / NS_PER_US))
-    ordered = np.sort(intervals)
-    beyond = round(len(ordered) * (1.0 - CENTRAL) / 2.0)
-    central = ordered[beyond : len(ordered) - beyond]
+    central, usual = _central(intervals, CENTRAL), _central(intervals, USUAL)
     skipped = np.round(intervals / (PERIOD_MS * NS_PER_MS / NS_PER_US)) - 1.0
-    return Regularity(len(intervals), float(central.std()), 2 * beyond, float(away[-1]), int(skipped.clip(0.0).sum()))
+    return Regularity(
+        intervals=len(intervals),
+        deviation_us=float(central.std()),
+        usual_us=float(usual.std()),
+        excluded=len(intervals) - len(central),
+        worst_us=float(away[-1]),
+        skipped=int(skipped.clip(0.0).sum()),
+    )
+
+
+def _central(values: Floats, part: float) -> Floats:
+    """So much of all values, those in the middle, ascending."""
+    beyond = round(len(values) * (1.0 - part) / 2.0)
+    return np.sort(values)[beyond : len(values) - beyond]
 
 
 def run(seconds: float = 60.0) -> list[Row]:
@@ -200,6 +214,7 @@ def _rows(load: str, ours: Regularity, twin: Regularity | None, goal_us: float |
         rows.append(row("the same, by itself", "deviation_us", "us") | {"twin": None} | goal)
     return [
         *rows,
+        row(f"standard deviation of the central {USUAL * 100:g} %", "usual_us", "us"),
         row("intervals", "intervals", ""),
         row("activations excluded", "excluded", ""),
         row("worst of the excluded, off the period by", "worst_us", "us"),
