@@ -9,8 +9,9 @@ vision rests: a camera of 1 Hz, all slow trackers switched off. Then it works as
 with a busy process on each core: the camera's 29.97 Hz fit into no period, so that its frames pass through all of them,
 ours and the twins', within half a minute.
 What counts is the interval between two activations, as each program reads the clock itself: the standard deviation of
-the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart. Where the
-machine stands still more often than once in 200 activations, those 99 % tell of the machine; the central 95 % do not.
+the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart.
+Where the machine stands still more often than once in 200 activations, those 99 % tell of the machine; the central 95
+% do not.
 """
 
 import contextlib
