@@ -39,7 +39,7 @@ def start(handle: Handle) -> Step:
 
     def step(release: Release) -> bool:
         began = handle.clock.now()
-        image = images.newest()
+        image = images.newest(release)
         if image is None:
             return False
         places = detector.look(image.pixels, image.grabbed)

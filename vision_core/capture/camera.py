@@ -25,8 +25,6 @@ class DeviceCamera:
     """
 
     repeats = False
-    skipped = 0
-    """Of what a camera itself leaves out, OpenCV does not tell."""
 
     def __init__(self, device: str, camera: CameraSettings, clock: Clock) -> None:
         self._size_px = camera.width_px, camera.height_px

@@ -33,10 +33,6 @@ class Pictures:
         self._kept: dict[tuple[Path, int], Bytes] = {}
         self._read(paths[0])
 
-    @property
-    def skipped(self) -> int:
-        return self.keeper.skipped
-
     def grab(self, pixels: Bytes) -> Instant:
         """The next picture, as ``Source.grab``. Raises SourceError when it cannot be read or has another size."""
         instant = self.keeper.wait()
@@ -89,10 +85,6 @@ class VideoPlayback:
         self.description = f"video {path.name} at {self.rate_hz:g} Hz, looped"
         self.keeper: Keeper = rate_keeper(self.rate_hz, clock, paced=paced)
         self._shown = -1
-
-    @property
-    def skipped(self) -> int:
-        return self.keeper.skipped
 
     def grab(self, pixels: Bytes) -> Instant:
         """The next frame, as ``Source.grab``. Raises SourceError when the file has no frame any more."""

@@ -22,11 +22,6 @@ class Source(Protocol):
     """Shows the same again by nature (a still, a looped video): no sign of a frozen camera."""
     rate_hz: float
 
-    @property
-    def skipped(self) -> int:
-        """Periods that passed without an image because the source itself was late."""
-        ...
-
     def grab(self, pixels: Bytes) -> Instant:
         """Wait for the next image, write it into pixels, and return when it was grabbed.
 

@@ -17,8 +17,8 @@ def start(handle: Handle) -> Step:
     images = Images(handle)
     diagnosis = handle.writer(records.diagnosis(camera))
 
-    def step(_release: Release) -> bool:
-        image = images.newest()
+    def step(release: Release) -> bool:
+        image = images.newest(release)
         if image is None:
             return False
         seen = perception.perceive(image, handle.clock).record()

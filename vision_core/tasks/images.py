@@ -1,6 +1,6 @@
 """The newest image, copied: every tracker that takes longer than a frame looks at memory of its own.
 
-A copy that the camera overtook is thrown away and noticed: three times in a row, and there is no image this time.
+A copy that the camera overtook is thrown away and noticed: three times in a row, and the release is missed.
 """
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from vision_core.clock import Instant
 from vision_core.rtdb.slots import READ_TRIES
 from vision_core.scheduling.handle import Handle
+from vision_core.scheduling.releases import Release
 from vision_core.types.image import ImageFrame
 
 SOON_S = 1.0
@@ -26,9 +27,12 @@ class Images:
         self.overtaken = 0
         """Copies that were thrown away."""
 
-    def newest(self) -> ImageFrame | None:
-        """A copy of the newest image, in the same memory each time; None when there is none of late."""
-        flat = self._copy.reshape(-1)
+    def newest(self, release: Release) -> ImageFrame | None:
+        """A copy of the newest image, in the same memory each time; None when there is none of late.
+
+        release: told that it is missed when there was an image, and every copy was overtaken.
+        """
+        flat, before = self._copy.reshape(-1), self.overtaken
         for _ in range(READ_TRIES):
             glance = self._frames.glance()
             if glance is None or self._handle.clock.now() - glance.measured > SOON_S * 1e9:
@@ -38,4 +42,5 @@ class Images:
                 return ImageFrame(self._camera, glance.sequence, Instant(glance.measured), self._copy)
             self.overtaken += 1
             self._handle.note = f"the camera overtook {self.overtaken} copies of its images"
+        release.missed += self.overtaken > before
         return None

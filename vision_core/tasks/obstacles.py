@@ -31,10 +31,10 @@ def start(handle: Handle) -> Step:
     sightings = handle.reader(records.sightings(camera))
     obstacles = handle.writer(records.obstacles(camera))
 
-    def step(_release: Release) -> bool:
+    def step(release: Release) -> bool:
         now = handle.clock.now()
         seen = sightings.read(now)
-        image = images.newest()
+        image = images.newest(release)
         if image is None or seen is None or not seen.valid:  # who does not know the robots takes them for obstacles
             return False
         things = finder.find(image.pixels, seen.value.robots, seen.value.balls)

@@ -26,9 +26,9 @@ def watching(handle: Handle, item: Item[Finding[T]], look: Callable[[Bytes], T])
     images, told = Images(handle), handle.writer(item)
     last = 0
 
-    def step(_release: Release) -> bool:
+    def step(release: Release) -> bool:
         nonlocal last
-        image = images.newest()
+        image = images.newest(release)
         if image is None or image.number == last:
             return False
         last = image.number

@@ -50,10 +50,6 @@ class SyntheticCamera:
         return Renderer(self._settings, self._model, self._world.robots_worn)
 
     @property
-    def skipped(self) -> int:
-        return self.keeper.skipped
-
-    @property
     def truth(self) -> Truth:
         """What the last image shows, for scoring. Raises SourceError before the first."""
         if self._last is None:
