@@ -40,7 +40,7 @@ def service() -> Iterator[RunningService]:
 def until_settled(service: RunningService, spares: int = len(SPARES)) -> None:
     """Everything runs, so many spares too: robots are served before that."""
     deadline = time.monotonic() + PATIENCE_S
-    while not (PROCESSES <= (running := states_of(service).keys()) and len(running & SPARES) >= spares):
+    while not ((running := states_of(service).keys()) >= PROCESSES and len(running & SPARES) >= spares):
         assert time.monotonic() < deadline
         time.sleep(0.1)
 
