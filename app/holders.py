@@ -2,17 +2,15 @@
 
 import os
 import socket
-import struct
 from collections.abc import Collection
 from pathlib import Path
 
 from vision_core.errors import ServiceError
+from vision_core.peers import process_and_user
 
 PREFIX = "pslv-camera/"
 """Of the names of sockets that lock cameras."""
 TCP_LISTENING, UDP_BOUND = "0A", "07"
-CREDENTIALS = struct.Struct("3i")
-"""Process, user and group of a peer."""
 BACKLOG = 64
 PATIENCE_S = 0.5
 LONGEST_COMMAND = 120
@@ -61,10 +59,10 @@ def _lock_holder(path: str) -> str | None:
         peer.settimeout(PATIENCE_S)
         try:
             peer.connect(f"\0{PREFIX}{path}")
-            credentials = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, CREDENTIALS.size)
+            process, _ = process_and_user(peer)
         except OSError:
             return None
-    return _in_words(CREDENTIALS.unpack(credentials)[0])
+    return _in_words(process)
 
 
 def _inodes(kind: str, port: int) -> set[str]:

@@ -10,33 +10,31 @@ from collections.abc import Iterator, Sequence
 import msgspec
 
 from app.holders import port_holder
-from app.supervisor.plan import ChildPlan, ServicePlan, spare_names
+from app.supervisor.plan import ChildPlan, ServicePlan
 from vision_core.capture.source import is_device
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.kernel_cache import kernel_folder
+from vision_core.net.control import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
-from vision_core.scheduling.task import DRIVER, NONE, Task
+from vision_core.scheduling.task import DRIVER, LONGEST_RUN_S, NONE, Task
 from vision_core.settings import Settings
-from vision_core.tasks.table import record_specs, task_table
+from vision_core.tasks.table import COMPILER, record_specs, task_table
 
-PREFIX = "pslv/"
-"""Of the names of control sockets; the page's port follows."""
 PROPOSED = "proposed_settings"
 """Every process looks at it in its own time; nobody is woken."""
-SPARES = 2
+SPARES = ("spare-1", "spare-2")
+"""No task has such a name: theirs have no dash."""
 SILENCE_S = 0.3
-"""A process that has not beaten for so long and does not compute is hung: it beats ten times a second. Beside that"""
+"""A process that has not beaten for so long is looked at: it beats ten times a second. Beside that"""
 SLOW_SOURCE_S = 6.0
 """a camera's driver may block so long when the camera is gone,"""
 WEB_S = 0.8
-"""the page beats less often,"""
-ORDINARY_S = 0.2
-"""and a task without real-time priority may wait for a disk."""
-LONGEST_RUN_S = 4.0
-"""A task may compute as long as its period or budget, but no longer than this."""
+"""and the page beats less often."""
+SHORT_RUN_S = 1.0
+"""Every task may compute for so long, whatever its period and budget are."""
 BACKLOG = 128
 ROOM_FOR_ADDRESSES = 1024
 """In the record of the service, beside the settings [bytes]."""
@@ -59,7 +57,7 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
     tasks = task_table(settings)
     children = (_compiler(), *_child_plans(tasks, settings))
-    beating = (*(child.name for child in children), *spare_names(SPARES))
+    beating = (*(child.name for child in children), *SPARES)
     boot = time.monotonic_ns()
     info = ServiceInfo(
         version=version,
@@ -97,7 +95,7 @@ def prepare_data_folder() -> None:
 def _compiler() -> ChildPlan:
     """Runs once, before everything that needs compiled kernels."""
     return ChildPlan(
-        name="compile",
+        name=COMPILER,
         module="vision_core.tasks.compile",
         wakes=(),
         writes=(),
@@ -124,7 +122,7 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
             after_compile=any(task.needs_kernels for task in ours),
             once=False,
             heartbeat_s=SILENCE_S + max(_slack_s(task, settings) for task in ours),
-            longest_run_s=min(SILENCE_S + max(max(task.period_s, task.budget_s) for task in ours), LONGEST_RUN_S),
+            longest_run_s=min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in ours)), LONGEST_RUN_S),
         )
 
 
@@ -137,12 +135,12 @@ def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:
 
 
 def _slack_s(task: Task, settings: Settings) -> float:
-    """How long a healthy process may be silent without computing because of a task, beside SILENCE_S."""
+    """How long a healthy process may be silent because of a task, beside SILENCE_S."""
     if task.trigger == NONE:
         return WEB_S
     if task.trigger == DRIVER and is_device(settings):
         return SLOW_SOURCE_S
-    return 0.0 if task.priority else ORDINARY_S
+    return 0.0
 
 
 def _listen(host: str, port: int) -> socket.socket:

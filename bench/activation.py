@@ -117,7 +117,7 @@ def _central(values: Floats, part: float) -> Floats:
 
 
 def run(seconds: float = 60.0) -> list[Row]:
-    """Without load, beside the vision, and with load beside it; seconds: how long each lasts."""
+    """Without load, beside the vision, and with load beside it; seconds: how long each lasts, with either twin."""
     program, word = build_program("activation")
     rows: list[Row] = [] if program else [{"name": word}]
     with _service(settings_of(1.0, *RESTING)) as (attached, folder):

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import select
 import subprocess
 import sys
 import webbrowser
@@ -122,9 +123,10 @@ def _in_use_by(settings: "Settings") -> str:
 
 
 def _tell(line: str) -> None:
-    """News of the service. That nobody reads the log any more, or its disk is full, is no reason to stop it."""
+    """News of the service. That nobody reads the log, or its disk is full, is no reason to stop it, nor to wait."""
     with contextlib.suppress(OSError):
-        print(line, file=sys.stderr, flush=True)
+        if select.select([], [sys.stderr], [], 0.0)[1]:
+            print(line, file=sys.stderr, flush=True)
 
 
 class _Progress:

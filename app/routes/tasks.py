@@ -13,7 +13,7 @@ from app.task_report import Task, Wish, task_from, tasks_from
 
 PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": Problem.model_json_schema()}}}
 REFUSALS: dict[int | str, dict[str, Any]] = {
-    403: PROBLEM | {"description": "A foreign page, or no JSON"},
+    403: PROBLEM | {"description": "From another machine, a foreign page, or no JSON"},
     404: PROBLEM | {"description": "No task of this name"},
     409: PROBLEM | {"description": "The task has a loop of its own"},
     422: PROBLEM | {"description": "An unknown key, an impossible rate, or a priority that there is not"},

@@ -10,7 +10,7 @@ from typing import Any
 
 from app.supervisor.plan import ChildPlan
 from app.supervisor.priorities import hurry, hurry_to_end, settle
-from app.supervisor.vitals import time_spent, wants_to_run
+from app.supervisor.vitals import Silence, silence_of
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.attachment import VARIABLE, HandDown
 from vision_core.rtdb.slots import SlotReader
@@ -50,8 +50,8 @@ class Child:
     """For the first beat."""
     beaten: int = 0
     """When it last said that it lives [ns]; 0: not since its start."""
-    spent: int | None = None
-    """What it had used of the processors when its beat had stayed away for too long [ns]."""
+    silence: Silence | None = None
+    """Its beat has stayed away for too long."""
     killed: bool = False
     """It did not answer and was sent SIGKILL."""
     due: int = 0
@@ -148,22 +148,19 @@ class Child:
                 settle(self.pid)
                 self.state = "running"
 
-    def is_silent(self, now: int, watched: int) -> bool:
-        """Has its beat stayed away for too long? watched: since when it would have been noticed [ns].
+    def hangs(self, now: int, watched: int) -> bool:
+        """Does it hang? watched: since when a beat that stays away would have been noticed [ns].
 
-        Who computes, or waits for a processor, is not silent before it has had its time of the processor.
+        Who computes, or waits for a processor, does not before it has had its time of the processor.
         """
         if self.pid is None or (overdue_at := self.overdue_at(watched)) is None:
             return False
         if now <= overdue_at:
-            self.spent = None
+            self.silence = None
             return False
-        if not wants_to_run(self.pid):
-            return True
-        spent = time_spent(self.pid)
-        if self.spent is None:
-            self.spent = spent
-        return spent - self.spent > (self.plan.longest_run_s if self.beaten else self.patience_s) * NS_PER_S
+        if self.silence is None:
+            self.silence = silence_of(self.pid, now)
+        return self.silence.hangs(self.pid, now, self.plan.longest_run_s if self.beaten else self.patience_s)
 
     def overdue_at(self, watched: int) -> int | None:
         """When its silence is too long, if it goes on [ns]; None when nothing is expected of it."""
@@ -195,7 +192,7 @@ class Child:
     def _adopt(self, process: subprocess.Popen[bytes], pidfd: int, now: int, patience_s: float) -> None:
         self.process, self.pidfd = process, pidfd
         self.started, self.patience_s = now, patience_s
-        self.beaten, self.spent, self.killed = 0, None, False
+        self.beaten, self.silence, self.killed = 0, None, False
         self.state = "starting"
 
     def _failed(self, now: int, how: str) -> None:

@@ -9,13 +9,13 @@ import contextlib
 import json
 import os
 import socket
-import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from vision_core.clock import NS_PER_S
 from vision_core.errors import ServiceError
+from vision_core.peers import process_and_user
 
 Answer: TypeAlias = tuple[dict[str, Any], tuple[int, ...]]
 """A table to tell, and descriptors to send along."""
@@ -24,8 +24,6 @@ MOST_CONNECTIONS = 4
 BACKLOG = 16
 PATIENCE_S = 1.0
 LONGEST_REQUEST = 4096
-CREDENTIALS = struct.Struct("3i")
-"""Process, user and group of a peer."""
 
 
 @dataclass(slots=True)
@@ -84,8 +82,7 @@ class ControlSocket:
         except OSError:  # it has changed its mind
             return
         peer.setblocking(False)
-        _, user, _ = CREDENTIALS.unpack(peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, CREDENTIALS.size))
-        if user in (os.geteuid(), 0):
+        if process_and_user(peer)[1] in (os.geteuid(), 0):
             self._open[peer.fileno()] = _Connection(peer, now + int(PATIENCE_S * NS_PER_S))
         else:
             peer.close()

@@ -20,7 +20,7 @@ class ChildPlan:
     """Started when the process that runs once has ended well."""
     once: bool
     heartbeat_s: float
-    """Killed when its last beat is older and it does not compute,"""
+    """When its last beat is older, it is killed if it is stopped or sleeps on,"""
     longest_run_s: float
     """or has computed for so long since then [s of the processor's time]."""
     spared: bool = True
@@ -39,14 +39,9 @@ class ServicePlan:
     sockets: dict[str, socket.socket]
     boot: int
     """Start of the service [ns of CLOCK_MONOTONIC]."""
-    spares: int
-    """How many processes are kept warm."""
+    spares: tuple[str, ...]
+    """Names of the processes that are kept warm."""
     control: str
     """Name of the abstract socket for requests, without the leading NUL: "pslv/8000"."""
     spare_module: str = "vision_core.tasks.spare"
     """What a warm spare runs until it is needed; see there for what is asked of it."""
-
-
-def spare_names(count: int) -> tuple[str, ...]:
-    """The names of that many warm spares."""
-    return tuple(f"spare-{number}" for number in range(1, count + 1))

@@ -24,8 +24,8 @@ def hurry(pid: int) -> None:
 
 def hurry_to_end(pid: int) -> None:
     """The same for the ordinary threads of a process that was killed: it has ended when the last of them has."""
-    with contextlib.suppress(OSError):
-        for thread in (int(path.name) for path in Path(f"/proc/{pid}/task").iterdir()):
+    for thread in (int(path.name) for path in Path("/proc").glob(f"{pid}/task/*")):
+        with contextlib.suppress(OSError):
             if os.sched_getscheduler(thread) & ~os.SCHED_RESET_ON_FORK in (os.SCHED_OTHER, os.SCHED_BATCH):
                 hurry(thread)
 

@@ -26,6 +26,8 @@ SHORTEST_TICK_S = 0.02
 LATE_S = 0.1
 """A turn that comes so much later than was planned: the machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
+SETTLED = ("running", "done", "disabled")
+"""States of a child that nobody waits for."""
 STOP_PATIENCE_S = 1.5
 """Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
 
@@ -73,6 +75,7 @@ class Supervisor:
             for child in self.children:
                 if not child.plan.after_compile:
                     child.start(time.monotonic_ns())
+                    self._stop_without_compiler(child)
             while not self._stopping:
                 self._turn()
         finally:
@@ -96,7 +99,7 @@ class Supervisor:
         for child in self.children:
             if child.state == "restarting" and now >= child.due:
                 self._replace(child, now)
-        if not self._complete and all(child.state in ("running", "done") for child in self.children):
+        if not self._complete and all(child.state in SETTLED for child in self.children):
             self._complete = True
             self._tell("ready")
         if self._complete:
@@ -107,9 +110,9 @@ class Supervisor:
     def _tick_s(self) -> float:
         """How long nothing needs a look [s]: until a silence is too long, or a replacement is due."""
         looks = [overdue for child in self._everybody if (overdue := child.overdue_at(self._watched)) is not None]
-        looks += [child.due for child in self._everybody if child.state == "restarting"]
-        left_s = (min(looks, default=self._turned) - self._turned) / NS_PER_S
-        return min(max(left_s, SHORTEST_TICK_S), TICK_S) if looks else TICK_S
+        looks += [child.due for child in self.children if child.state == "restarting"]
+        left_s = (min(looks) - self._turned) / NS_PER_S if looks else TICK_S
+        return min(max(left_s, SHORTEST_TICK_S), TICK_S)
 
     def _wait(self, tick_s: float) -> None:
         poller = select.poll()
@@ -150,9 +153,14 @@ class Supervisor:
             child.note_beat()
             if was_starting and child.state == "running" and child.ended and child in self.children:
                 self._tell(f"{child.plan.name} runs again after {(child.beaten - child.ended) / NS_PER_S:.2f} s")
-            if child.is_silent(now, self._watched):
+            if child.hangs(now, self._watched):
                 self._tell(f"{child.plan.name} does not answer and is killed")
                 child.kill()
+
+    def _stop_without_compiler(self, child: Child) -> None:
+        """Nothing can follow what runs once, when that could not even be started."""
+        if child.plan.once and child.process is None:
+            self._compiled(child, time.monotonic_ns())
 
     def _replace(self, child: Child, now: int) -> None:
         """Start a child again: with a warm spare if there is one."""
@@ -185,7 +193,7 @@ class Supervisor:
         match request:
             case {"do": "attach"}:
                 records = [asdict(spec) for spec in self._plan.records]
-                told = {"pid": os.getpid(), "boot": self._plan.boot, "records": records, "control": self._plan.control}
+                told = {"boot": self._plan.boot, "records": records, "control": self._plan.control}
                 return told, (self._to_look_at,)
             case {"do": "restart", "name": str(name)}:
                 return self._restart(name), ()

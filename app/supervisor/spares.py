@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from app.supervisor.child import Child
-from app.supervisor.plan import ChildPlan, ServicePlan, spare_names
+from app.supervisor.plan import ChildPlan, ServicePlan
 from vision_core.clock import NS_PER_S
 
 SILENCE_S = 2.0
@@ -27,7 +27,7 @@ def spare_plans(plan: ServicePlan) -> tuple[ChildPlan, ...]:
             longest_run_s=SILENCE_S,
             spared=False,
         )
-        for name in spare_names(plan.spares)
+        for name in plan.spares
     )
 
 

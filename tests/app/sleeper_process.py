@@ -9,6 +9,8 @@ from vision_core.rtdb.attachment import attach, monotonic
 def main() -> None:
     attachment = attach()
     name = attachment.handed.process
+    if name == "unborn":
+        sys.exit(3)
     attachment.beat(monotonic())
     if name == "job":
         print("1 of 1: nothing", flush=True)

@@ -7,7 +7,7 @@ import json
 import os
 import sys
 
-from app.supervisor.plan import ChildPlan, ServicePlan, spare_names
+from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.service import Supervisor
 from vision_core.rtdb.attachment import monotonic
 from vision_core.rtdb.layout import RecordSpec
@@ -15,7 +15,8 @@ from vision_core.rtdb.layout import RecordSpec
 
 def main(arguments: list[str]) -> int:
     names = [name for name in arguments if not name.isdigit()]
-    spares = sum(int(name) for name in arguments if name.isdigit())
+    count = sum(int(name) for name in arguments if name.isdigit())
+    spares = tuple(f"spare-{number}" for number in range(1, count + 1))
     children = tuple(
         ChildPlan(
             name=name,
@@ -31,7 +32,7 @@ def main(arguments: list[str]) -> int:
         )
         for name in names
     )
-    beating = (*names, *spare_names(spares))
+    beating = (*names, *spares)
     specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"beat/{name}", 8, 0.0) for name in beating))
     control = f"pslv/test-{os.getpid()}"
     plan = ServicePlan(children, specs, {}, {}, monotonic(), spares, control, "tests.app.spare_process")

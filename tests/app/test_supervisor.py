@@ -127,6 +127,14 @@ def test_a_process_that_keeps_crashing_is_disabled_and_that_is_said() -> None:
 
 
 @pytest.mark.slow
+def test_one_that_is_disabled_leaves_the_others_their_spares() -> None:
+    with service("unborn", "one", "1") as started:
+        table = started.until(lambda table: table["spare-1"]["state"] == "running")
+        assert table["unborn"]["state"] == "disabled"
+        assert "ready" in started.news
+
+
+@pytest.mark.slow
 def test_a_process_that_ignores_sigterm_is_killed_in_time() -> None:
     with service("deaf") as started:
         pid = started.running("deaf")["deaf"]["pid"]

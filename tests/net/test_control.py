@@ -15,9 +15,9 @@ from dataclasses import asdict
 import pytest
 
 from app.supervisor import control as server
-from vision_core.clock import MonotonicClock
+from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import ServiceError
-from vision_core.net.control import attach_to, restart, running_services
+from vision_core.net.control import Attached, attach_to, restart, running_services
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store, create_block
 
@@ -29,22 +29,21 @@ CLOCK = MonotonicClock()
 class Served:
     """A control socket over a block of memory, in a thread."""
 
-    def __init__(self, pid: int) -> None:
-        self.pid = pid
+    def __init__(self) -> None:
         self.block = create_block(SPECS)
         self.to_look_at = os.open(f"/proc/self/fd/{self.block}", os.O_RDONLY)
         self.store = Store(SPECS, self.block)
         self.asked: list[object] = []
         self.socket = server.ControlSocket(NAME, self.answer)
         self.ending = os.eventfd(0)
-        self.thread = threading.Thread(target=self.run)
+        self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
     def answer(self, request: object) -> server.Answer:
         self.asked.append(request)
         if request == {"do": "attach"}:
             records = [asdict(spec) for spec in SPECS]
-            return {"pid": self.pid, "boot": 7, "records": records, "control": NAME}, (self.to_look_at,)
+            return {"boot": 7, "records": records, "control": NAME}, (self.to_look_at,)
         return {"error": "no such request", "accepted": "attach"}, ()
 
     def run(self) -> None:
@@ -68,7 +67,7 @@ class Served:
 @pytest.fixture
 def served(monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
     monkeypatch.setattr(server, "PATIENCE_S", 0.2)
-    service = Served(os.getpid())
+    service = Served()
     yield service
     service.close()
 
@@ -114,16 +113,16 @@ def test_who_looks_cannot_write(served: Served) -> None:
     os.close(descriptors[0])
 
 
-def test_who_looks_notices_the_end_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
-    supervisor = subprocess.Popen(["sleep", "60"])
-    service = Served(supervisor.pid)
-    attached = attach_to(NAME)
-    assert attached.runs()
-    supervisor.kill()
-    supervisor.wait()
-    assert not attached.runs()
-    attached.close()
-    service.close()
+def test_who_looks_notices_the_end_of_the_service() -> None:
+    block = create_block(SPECS)
+    with subprocess.Popen(["sleep", "60"]) as supervisor:
+        attached = Attached(NAME, Store(SPECS, block), supervisor.pid, Instant(7))
+        os.close(block)
+        assert attached.runs()
+        supervisor.kill()
+        supervisor.wait()
+        assert not attached.runs()
+        attached.close()
 
 
 @pytest.mark.parametrize("said", [b"\n", b"{}\n", b"null\n", b"\xff\0\x01\n", b"[" * 2000 + b"\n", b'{"do": 1}\n'])

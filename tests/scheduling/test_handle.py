@@ -1,7 +1,9 @@
 """A task gets at the records of its line, and at no others."""
 
 import os
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -52,6 +54,14 @@ def test_it_beats_while_it_waits_and_sleeps(handle: Handle) -> None:
     assert waited >= 2
     handle.sleep(0.25)
     assert beats.sequence >= waited + 2
+
+
+def test_who_is_released_by_the_clock_sleeps_instead_of_waiting(handle: Handle) -> None:
+    attachment = handle.attachment
+    attachment.handed = replace(attachment.handed, wake=None)
+    began = time.monotonic()
+    assert not handle.wait(0.15)
+    assert time.monotonic() - began >= 0.15
 
 
 def test_a_raised_event_ends_the_wait(handle: Handle) -> None:

@@ -13,7 +13,7 @@ from vision_core.tasks.images import Images
 
 SETTINGS = load_settings()
 CAMERA = SETTINGS.camera
-PAYLOAD = memoryview(np.full(CAMERA.height_px * CAMERA.width_px * 3, 7, dtype=np.uint8))
+PAYLOAD = memoryview(bytes([7]) * (CAMERA.height_px * CAMERA.width_px * 3))
 
 
 class Ring:

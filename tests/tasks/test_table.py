@@ -60,6 +60,17 @@ def test_a_wrong_line_is_named_with_its_file_and_number(tmp_path: Path) -> None:
     assert "default.toml, line" in check(tmp_path, "[camera]\nrate_hz = 900.0\n")
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[tasks.web]\nprocess = "page"\n', "tasks.web.process; found: page; accepted: a process of its own"),
+        (f"[tasks.compile]\n{OWN}", "tasks.compile; found: compile; accepted: another name"),
+    ],
+)
+def test_names_of_the_supervisors_processes_are_refused(tmp_path: Path, text: str, said: str) -> None:
+    assert said in check(tmp_path, text)
+
+
 def test_a_task_of_ones_own_stands_in_the_table_and_has_a_record(tmp_path: Path) -> None:
     venue = tmp_path / "venue.toml"
     venue.write_text(f"[tasks.mine]\n{OWN}reads = ['world']\nwrites = ['lab/mine']\n")

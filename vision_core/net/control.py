@@ -10,18 +10,16 @@ import json
 import os
 import select
 import socket
-import struct
 from typing import Any
 
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
+from vision_core.peers import process_and_user
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store
 
 PREFIX = "pslv/"
 """Of the names of services."""
-CREDENTIALS = struct.Struct("3i")
-"""Process, user and group of a peer."""
 PATIENCE_S = 2.0
 CHUNK = 65536
 LONGEST_ANSWER = 1 << 20
@@ -52,10 +50,10 @@ class Attached:
 
 def attach_to(name: str) -> Attached:
     """Map the database of a running service, "pslv/8000". Raises ServiceError."""
-    told, descriptors = _ask(name, {"do": "attach"})
+    told, descriptors, process = _ask(name, {"do": "attach"})
     try:
         store = Store([RecordSpec(**spec) for spec in told["records"]], descriptors[0], read_only=True)
-        return Attached(name, store, told["pid"], Instant(told["boot"]))
+        return Attached(name, store, process, Instant(told["boot"]))
     except (LookupError, TypeError, ValueError, OSError) as error:
         raise ServiceError(
             f"service {name}", found=f"an answer that is none: {error!r}", accepted="a service"
@@ -67,7 +65,7 @@ def attach_to(name: str) -> Attached:
 
 def restart(name: str, process: str) -> None:
     """Have a service try a disabled process again. Raises ServiceError."""
-    _, descriptors = _ask(name, {"do": "restart", "name": process})
+    _, descriptors, _ = _ask(name, {"do": "restart", "name": process})
     for descriptor in descriptors:
         os.close(descriptor)
 
@@ -90,11 +88,11 @@ def _listening() -> list[str]:
     return sorted(path[1:] for path in paths if path.startswith(f"@{PREFIX}"))
 
 
-def _ask(name: str, request: dict[str, Any]) -> tuple[dict[str, Any], list[int]]:
-    """A service's answer and the descriptors that came with it. Raises ServiceError, also when it refuses."""
+def _ask(name: str, request: dict[str, Any]) -> tuple[dict[str, Any], list[int], int]:
+    """A service's answer, the descriptors that came with it, its process. Raises ServiceError, also when refused."""
     asked = f"{request['do']} {request.get('name', '')}".strip() + f" at service {name}"
     try:
-        text, descriptors = _exchange(name, json.dumps(request).encode() + b"\n")
+        text, descriptors, process = _exchange(name, json.dumps(request).encode() + b"\n")
     except (OSError, ValueError) as error:
         found = getattr(error, "strerror", None) or str(error)
         accepted = ", ".join(_listening()) or "a service that runs, and none does: pslv serve"
@@ -109,15 +107,15 @@ def _ask(name: str, request: dict[str, Any]) -> tuple[dict[str, Any], list[int]]
         for descriptor in descriptors:
             os.close(descriptor)
         raise ServiceError(asked, found=str(told["error"]), accepted=str(told.get("accepted", "")))
-    return told, descriptors
+    return told, descriptors, process
 
 
-def _exchange(name: str, request: bytes) -> tuple[bytes, list[int]]:
-    """Say a line, and hear one. Raises OSError."""
+def _exchange(name: str, request: bytes) -> tuple[bytes, list[int], int]:
+    """Say a line, and hear one, from which process. Raises OSError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
         peer.settimeout(PATIENCE_S)
         peer.connect(f"\0{name}")
-        _, user, _ = CREDENTIALS.unpack(peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, CREDENTIALS.size))
+        process, user = process_and_user(peer)
         if user not in (os.geteuid(), 0) and os.geteuid() != 0:
             raise PermissionError(errno.EPERM, "it is another user's")
         peer.sendall(request)
@@ -127,4 +125,4 @@ def _exchange(name: str, request: bytes) -> tuple[bytes, list[int]]:
             if not more:
                 break
             text += more
-    return text, descriptors
+    return text, descriptors, process

@@ -73,7 +73,7 @@ class Attachment:
         self._beats = self.store.writer(f"{BEAT}/{handed.process}")
 
     def stop_on_signals(self) -> None:
-        """SIGTERM sets ``stopping``; SIGINT is the supervisor's business (Ctrl-C reaches the whole group)."""
+        """SIGTERM sets ``stopping``; SIGINT is the supervisor's business."""
 
         def stop(_number: int, _frame: FrameType | None) -> None:
             self.stopping = True

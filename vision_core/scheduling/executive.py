@@ -96,12 +96,16 @@ class Executive:
     def _turn(self) -> None:
         """Run the first task that is due, or wait until one is."""
         now = self._clock.now()
-        if self._proposed.sequence != self._obeyed:
+        if self._is_asked():
             self._obey()
         if not self._run_first(now):
             self._wait(now)
         for chore in self._chores:
             chore()
+
+    def _is_asked(self) -> bool:
+        """Does somebody want something of us: another table, or an end?"""
+        return self._proposed.sequence != self._obeyed or self._attachment.stopping
 
     def _run_first(self, now: Instant) -> bool:
         """Run the first task that is due, if one is."""
@@ -135,12 +139,12 @@ class Executive:
     def _wait(self, now: Instant) -> None:
         """Tell how the tasks do, tidy up, and sleep until the next release or beat."""
         self._attachment.beat(now)
-        for running in self._tasks:
-            self._publish(running, now)
-        self._tidy(now)
         highest = max((running.task.priority for running in self._tasks), default=0)
         if highest != self._priority:
             self._ask(highest)
+        for running in self._tasks:
+            self._publish(running, now)
+        self._tidy(now)
         due = [
             running.schedule.due(now)
             for running in self._tasks
@@ -151,7 +155,7 @@ class Executive:
             self._listen(min([beat, *due]))
         elif due and min(due) < beat:
             sleep_until(Instant(min(due) - EARLY_NS))
-            while not self._run_first(self._clock.now()) and not self._attachment.stopping:
+            while not (self._is_asked() or self._run_first(self._clock.now())):
                 pass
         else:
             sleep_until(beat)

@@ -103,7 +103,13 @@ class Handle:
             self.attachment.beat(self.clock.now())
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait for what releases this process, without being taken for dead; False after the timeout [s]."""
+        """Wait for what releases this process, without being taken for dead; False after the timeout [s].
+
+        Who is released by the clock alone sleeps.
+        """
+        if self.attachment.handed.wake is None:
+            self.sleep(timeout_s)
+            return False
         end = after(self.clock.now(), timeout_s)
         while True:
             left_s = seconds_between(self.clock.now(), end)

@@ -19,10 +19,12 @@ from vision_core.clock import NS_PER_S, Instant
 MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4
 PR_SET_TIMERSLACK = 29
-CAP_IPC_LOCK = 14
+CAP_IPC_LOCK, CAP_SYS_NICE = 14, 23
 TIMER_ABSTIME = 1
 NICE = -10
 """Of a process that may not have real-time priority but may be nice to itself."""
+BEFORE = os.getpriority(os.PRIO_PROCESS, 0)
+"""The nice value that this process was started with."""
 ORDINARY = "ordinary"
 
 
@@ -51,16 +53,23 @@ def ask_priority(priority: int) -> Standing:
     """
     if priority == 0:
         os.sched_setscheduler(0, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
+        with contextlib.suppress(PermissionError):
+            os.setpriority(os.PRIO_PROCESS, 0, BEFORE)
         return Standing(ORDINARY, "")
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority))
-    except PermissionError:
-        limit = resource.getrlimit(resource.RLIMIT_RTPRIO)[0]
-        refused = f"SCHED_FIFO {priority} is refused: no CAP_SYS_NICE, and ulimit -r is {limit}"
-        return Standing(_nicer(), refused)
-    except OSError as error:  # real-time groups of control groups without a share of time
-        return Standing(_nicer(), f"SCHED_FIFO {priority} is refused: {error.strerror}")
+    except OSError as error:
+        return Standing(_nicer(), f"SCHED_FIFO {priority} is refused: {_why(error)}")
     return Standing(f"FIFO {priority}", "")
+
+
+def _why(error: OSError) -> str:
+    """Why SCHED_FIFO is refused."""
+    if not isinstance(error, PermissionError):
+        return str(error.strerror)
+    if _has_capability(CAP_SYS_NICE):
+        return "its control group has no share of real time"
+    return f"no CAP_SYS_NICE, and ulimit -r is {resource.getrlimit(resource.RLIMIT_RTPRIO)[0]}"
 
 
 def _nicer() -> str:

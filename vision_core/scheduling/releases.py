@@ -66,12 +66,13 @@ class Trigger:
         glance = self._record.glance()
         if glance is None or glance.sequence == self._seen:
             return None
-        if self._grid is not None and (at := self._grid.take(now)) is None:
+        at = self._grid.take(now) if self._grid is not None else None
+        if self._grid is not None and at is None:
             return None
         passed, self._seen = glance.sequence - self._seen - 1, glance.sequence
-        missed = min(passed, at.missed) if self._grid is not None and at is not None else passed
-        due = glance.written if self._grid is None or at is None else max(glance.written, at.due)
-        return Release(due, now, missed, glance.sequence)
+        if at is None:
+            return Release(glance.written, now, passed, glance.sequence)
+        return Release(max(glance.written, at.due), now, min(passed, at.missed), glance.sequence)
 
     def forget(self) -> None:
         """What was written up to now was not missed, the newest is news: the task was switched off or on."""

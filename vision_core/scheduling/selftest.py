@@ -1,4 +1,4 @@
-"""How well does this machine keep time? Wake-ups of one process on an absolute grid, as the executive has them.
+"""How well does this machine keep time? Wake-ups of one process that sleeps on an absolute grid.
 
     python -m vision_core.scheduling.selftest        prints the result as JSON
 
@@ -12,10 +12,10 @@ import sys
 import time
 from dataclasses import asdict
 
-from vision_core.clock import NS_PER_S
+from vision_core.clock import NS_PER_S, Instant
 from vision_core.rtdb.attachment import end_with
 from vision_core.rtdb.infos import SelfTest
-from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory
+from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory, sleep_until
 
 DURATION_S = 2.0
 PERIOD_NS = NS_PER_S // 200
@@ -37,7 +37,7 @@ def measure(duration_s: float = DURATION_S) -> SelfTest:
     due = time.monotonic_ns()
     for index in range(len(late)):
         due += PERIOD_NS
-        time.sleep(max(due - time.monotonic_ns(), 0) / NS_PER_S)
+        sleep_until(Instant(due))
         late[index] = time.monotonic_ns() - due
         due += max(late[index], 0) // PERIOD_NS * PERIOD_NS  # what was slept through is over
     counted = sorted(late[WARM:])

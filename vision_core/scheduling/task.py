@@ -1,11 +1,14 @@
 """One line of the task table."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 DRIVER, PERIOD, NONE = "driver", "period", "none"
 """Triggers that are no records: released by a device or by whatever it reads; on a grid in time; a loop of its own."""
 HIGHEST_PRIORITY = 90
 """Of a task. What watches over them must come first, and the kernel's own threads before that."""
+
+LONGEST_RUN_S = 4.0
+"""A task that computes for longer without a beat is taken for hung, whatever its period is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +36,7 @@ class Task:
     enabled: bool = True
     cores: tuple[int, ...] = ()
     """Where it may run; empty: anywhere."""
-    sockets: tuple[str, ...] = field(default=())
+    sockets: tuple[str, ...] = ()
     """Sockets of the supervisor that it uses."""
     needs_kernels: bool = True
     """Started only when the kernels are compiled."""

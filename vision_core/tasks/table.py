@@ -147,6 +147,8 @@ def _misplaced(settings: Settings) -> Iterator[Problem]:
         if name in ours and (times.module or times.reads or times.writes or times.trigger != "period"):
             said = "module, trigger, reads or writes"
             yield Problem(f"tasks.{name}", said, "its times only: vision_core/tasks/table.py says the rest")
+        if name == "web" and times.process not in ("", name):
+            yield Problem("tasks.web.process", times.process, "a process of its own: it has a loop of its own")
         if COMPILER in (name, times.process):
             yield Problem(f"tasks.{name}", COMPILER, "another name: this one has a process of its own")
 

@@ -1,7 +1,6 @@
 """Uses every kernel once, so that it is compiled (or loaded) before a frame waits for it."""
 
 import random
-import signal
 import sys
 
 import msgspec
@@ -58,7 +57,6 @@ def camera(settings: Settings) -> None:
 def main() -> None:
     """Compile one step; its name and the compiler's process id are the arguments, the settings come as JSON."""
     end_with(int(sys.argv[2]))
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the compiler ends us
     settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
     {"perception": perception, "views": views, "camera": camera}[sys.argv[1]](settings)
 
