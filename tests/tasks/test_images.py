@@ -3,8 +3,6 @@
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
 from vision_core.clock import Instant, ManualClock
 from vision_core.rtdb.slots import READ_TRIES, Glance
 from vision_core.scheduling.releases import Release
