@@ -4,11 +4,12 @@ import math
 import os
 from collections import deque
 
-from vision_core.clock import NS_PER_MS, NS_PER_S, Instant, seconds_between
+from vision_core.clock import NS_PER_MS, NS_PER_S, Instant
 from vision_core.histogram import Histograms
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import TIMINGS, TaskInfo
 from vision_core.rtdb.store import Store
+from vision_core.running_rate import RunningRate
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import Task
 
@@ -30,6 +31,7 @@ class Gauge:
         self._intervals_ns: deque[int] = deque(maxlen=INTERVALS_KEPT)
         self._last_began: Instant | None = None
         self._published, self._hurried = Instant(0), False
+        self._rate = RunningRate()
         self.collections = 0
         self.note = ""
 
@@ -56,6 +58,7 @@ class Gauge:
     def pause(self) -> None:
         """The task was switched off: the time until its next run is no interval."""
         self._last_began = None
+        self._rate.forget()
 
     def hurry(self) -> None:
         """The next chance to publish is to be taken."""
@@ -69,7 +72,6 @@ class Gauge:
     def publish(self, now: Instant, task: Task, standing: str, refused: str) -> None:
         """Write the records and begin the next stretch."""
         self._task = task
-        elapsed_s = max(seconds_between(self._published, now), 1e-9) if self._published else 1e9
         responses = sorted(self._responses_ns)
         info = TaskInfo(
             pid=os.getpid(),
@@ -86,7 +88,7 @@ class Gauge:
             missed=self._missed,
             overruns=self._overruns,
             collections=self.collections,
-            rate_hz=len(responses) / elapsed_s,
+            rate_hz=self._rate.of(now, self._runs),
             response_median_ms=responses[len(responses) // 2] / NS_PER_MS if responses else 0.0,
             response_max_ms=responses[-1] / NS_PER_MS if responses else 0.0,
             interval_mean_ms=_mean(self._intervals_ns) / NS_PER_MS,

@@ -17,6 +17,7 @@ from vision_core.protocol.admission import Admission
 from vision_core.protocol.session import Event, Refused, Rules, Sessions
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, ClientInfo, Serving
+from vision_core.running_rate import RunningRate
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.settings import Settings
@@ -69,7 +70,7 @@ class Server:
         self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
         self._reported: dict[tuple[str, int], Instant] = {}
         self._refused: deque[tuple[Instant, str]] = deque(maxlen=REFUSALS_KEPT)
-        self._sent: dict[tuple[str, int], int] = {}
+        self._rates: dict[tuple[str, int], RunningRate] = {}
         self._published = self._clock.now()
         self._newest = self._sightings.sequence
 
@@ -119,14 +120,13 @@ class Server:
     def publish_if_due(self) -> None:
         """Say twice a second how the clients are served."""
         now = self._clock.now()
-        elapsed_s = seconds_between(self._published, now)
-        if elapsed_s < PUBLISH_EVERY_S:
+        if seconds_between(self._published, now) < PUBLISH_EVERY_S:
             return
         self._note(self._udp.expire())
         self._count_reports()
         lags = sorted(self._lags_s) or [0.0]
         serving = Serving(
-            clients=self._clients(elapsed_s),
+            clients=self._clients(now),
             lag_median_ms=statistics.median(lags) * MS_PER_S,
             lag_max_ms=lags[-1] * MS_PER_S,
             refused=tuple(text for at, text in self._refused if seconds_between(at, now) <= REFUSAL_TOLD_S),
@@ -146,13 +146,13 @@ class Server:
                 if lag_s is not None:
                     self._lags.add(name, round(lag_s * NS_PER_S))
 
-    def _clients(self, elapsed_s: float) -> tuple[ClientInfo, ...]:
+    def _clients(self, now: Instant) -> tuple[ClientInfo, ...]:
         infos = []
-        before, self._sent = self._sent, {}
+        before, self._rates = self._rates, {}
         for session in self._udp.sessions:
             tally = self._udp.tally(session)
             key = (session.team, session.number)
-            self._sent[key] = tally.sent
+            self._rates[key] = before.get(key) or RunningRate()
             infos.append(
                 ClientInfo(
                     team=session.team,
@@ -162,7 +162,7 @@ class Server:
                     since=session.opened,
                     sent=tally.sent,
                     dropped=tally.dropped,
-                    rate_hz=max(tally.sent - before.get(key, 0), 0) / elapsed_s,
+                    rate_hz=self._rates[key].of(now, tally.sent),
                     mean_rank=tally.mean_rank,
                     network_ms=_ms(session.network_s),
                     client_ms=_ms(session.client_s),
