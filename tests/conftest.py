@@ -1,6 +1,7 @@
 """Shared by all tests: compiled kernels are kept between runs, state is not."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,24 @@ ROOT = Path(__file__).resolve().parents[1]
 os.environ["PSLV_DATA_DIR"] = str(ROOT / ".pslv")  # before anything imports a kernel
 for name in [name for name in os.environ if name.startswith("PSLV_") and name != "PSLV_DATA_DIR"]:
     del os.environ[name]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiling() -> Iterator[None]:
+    """Compiles the service's kernels beside the first tests, which do not need them."""
+    from vision_core.kernel_cache import kernel_folder
+    from vision_core.settings_files import load_settings
+    from vision_core.tasks.compile import STEPS, started
+
+    folder = kernel_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    processes = [] if list(folder.glob("complete-*")) else [started(step, load_settings()) for step in STEPS]
+    for process in processes:
+        os.setpriority(os.PRIO_PROCESS, process.pid, 19)
+    yield
+    for process in processes:
+        process.kill()
+        process.wait()
 
 
 @pytest.fixture(scope="session")

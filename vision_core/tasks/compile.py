@@ -35,7 +35,7 @@ def main() -> None:
     complete = folder / f"complete-{settings.source.uri.partition(':')[0]}"
     if complete.exists():
         return
-    running = {step: _started(step, settings) for step in STEPS}
+    running = {step: started(step, settings) for step in STEPS}
     told = ""
     while running and not attachment.stopping:
         attachment.beat(clock.now())
@@ -58,8 +58,8 @@ def main() -> None:
         _forget_other_versions()
 
 
-def _started(step: str, settings: Settings) -> subprocess.Popen[bytes]:
-    """A process that compiles a step; its settings come through its standard input."""
+def started(step: str, settings: Settings) -> subprocess.Popen[bytes]:
+    """A process that compiles a step, and ends with this one; its settings come through its standard input."""
     process = subprocess.Popen(
         [sys.executable, "-m", "vision_core.tasks.warm_up", step, str(os.getpid())],
         stdin=subprocess.PIPE,
