@@ -26,6 +26,8 @@ START_PATIENCE_S = 60.0
 WARM_PATIENCE_S = 10.0
 """The same for a spare that has taken a place: it has everything, but may have to open a camera."""
 LONGEST_DETAIL = 200
+SETTLED = ("running", "done", "disabled")
+"""States of a child that nobody waits for."""
 
 
 @dataclass(slots=True)

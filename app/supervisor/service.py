@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from app.supervisor.child import Child
+from app.supervisor.child import SETTLED, Child
 from app.supervisor.control import Answer, ControlSocket
 from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.priorities import go_first
@@ -26,8 +26,6 @@ SHORTEST_TICK_S = 0.02
 LATE_S = 0.1
 """A turn that comes so much later than was planned: the machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
-SETTLED = ("running", "done", "disabled")
-"""States of a child that nobody waits for."""
 STOP_PATIENCE_S = 1.5
 """Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
 

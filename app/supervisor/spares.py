@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from app.supervisor.child import Child
+from app.supervisor.child import SETTLED, Child
 from app.supervisor.plan import ChildPlan, ServicePlan
 from vision_core.clock import NS_PER_S
 
@@ -49,7 +49,7 @@ class Spares:
 
     def refill(self, children: Iterable[Child], now: int) -> None:
         """When all is quiet, start a spare that is missing: one at a time, since loading is work."""
-        busy = any(child.state not in ("running", "done", "disabled") for child in children)
+        busy = any(child.state not in SETTLED for child in children)
         if busy or any(spare.state == "starting" for spare in self.all):
             return
         for spare in self.all:
