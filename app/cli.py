@@ -74,8 +74,8 @@ def detect(
     ] = None,
 ) -> None:
     """Find robots and balls in pictures."""
-    from vision_core.settings_files import load_settings
-    from vision_core.tasks.stills import detect_files
+    from vision_core.venues.loader import load_settings
+    from vision_core.evaluation.stills import detect_files
 
     failed = False
     for found in detect_files(files, load_settings(venue, config), draw):
@@ -90,7 +90,7 @@ def config_show(venue: Venue = None, config: ConfigFile = None) -> None:
     """Print every setting as the service would use it, as JSON."""
     import msgspec
 
-    from vision_core.settings_files import load_settings
+    from vision_core.venues.loader import load_settings
 
     typer.echo(msgspec.json.format(msgspec.json.encode(load_settings(venue, config)), indent=2).decode())
 
@@ -98,8 +98,8 @@ def config_show(venue: Venue = None, config: ConfigFile = None) -> None:
 @config_app.command("validate")
 def config_validate(venue: Venue = None, config: ConfigFile = None) -> None:
     """Say whether settings are in order; exit status 2 when they are not."""
-    from vision_core.settings_files import layers_of, place_of, settings_from_layers
-    from vision_core.tasks.preflight import check_tasks
+    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
+    from vision_core.startup.preflight import check_tasks
     from vision_core.tasks.table import check_table
 
     layers = layers_of(venue, config)

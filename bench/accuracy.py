@@ -20,9 +20,9 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
 from vision_core.clock import MonotonicClock
 from vision_core.geometry import wrap_angle
-from vision_core.settings import Settings
-from vision_core.settings_files import load_settings
-from vision_core.tasks.perception import Perception
+from vision_core.settings.schema import Settings
+from vision_core.venues.loader import load_settings
+from vision_core.pipeline.perception import Perception
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import RobotSighting, Sightings, Team
 

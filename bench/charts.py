@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.geometry import Bytes, Floats
-from vision_core.opencv import Color, draw_line, draw_text, text_size
+from vision_core.native.opencv import Color, draw_line, draw_text, text_size
 
 GROUND, INK, FAINT = 32, (255, 255, 255), (96, 96, 96)
 BLUE: Color = (230, 150, 60)

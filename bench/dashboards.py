@@ -4,7 +4,7 @@ Ten clients are connected all the while. For every frame ``stamps`` has three in
 published it, when perceive wrote what it saw, and when serve had sent the last datagram. From the first to the last is
 the way of the frame; beside it stand the tasks' own histograms, of how long their runs took. Blocks with pages and
 without take turns, so that both see the same minutes of the machine; the interval of a ratio of p99 comes from drawing
-blocks anew (bootstrap). Its bins are 3 % wide and interpolated (``vision_core.histogram``).
+blocks anew (bootstrap). Its bins are 3 % wide and interpolated (``vision_core.timing.histogram``).
 """
 
 import contextlib
@@ -14,14 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.companions import Companion, Report, sit_out
+from bench.helpers import Companion, Report, sit_out
 from bench.pictures import config_of, wait_for_all, write_match
 from bench.runner import Row
 from bench.service import RunningService, configured, running_service
-from bench.stamps import Stamp
-from bench.way import FRAMES, SIGHTINGS, US_PER_S, VIEWS, WAY, WORKERS, histograms_of, policies_of
+from bench.record_timestamps import Stamp
+from bench.frame_path import FRAMES, SIGHTINGS, US_PER_S, VIEWS, WAY, WORKERS, histograms_of, policies_of
 from vision_core.clock import Instant, MonotonicClock
-from vision_core.histogram import BINS, Counts, bin_of, quantile_s
+from vision_core.timing.histogram import BINS, Counts, bin_of, quantile_s
 from vision_core.net.control import Attached, attach_to
 
 PAGES = 20

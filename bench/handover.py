@@ -19,13 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from bench.companions import Companion, Report, sit_out
+from bench.helpers import Companion, Report, sit_out
 from bench.pictures import ROBOTS_PER_TEAM, config_of, wait_for_all, write_match
 from bench.runner import Row
 from bench.service import configured, running_service
-from bench.stamps import Stamp
-from bench.twins.build import build_program
-from bench.way import FRAMES, WAY, WORKERS, histograms_of, policies_of, quantile_us
+from bench.record_timestamps import Stamp
+from bench.baselines.build import build_program
+from bench.frame_path import FRAMES, WAY, WORKERS, histograms_of, policies_of, quantile_us
 from vision_core.geometry import Floats
 from vision_core.net.control import attach_to
 
@@ -78,7 +78,7 @@ def _measure(rate_hz: float, seconds: float) -> Handover:
         wait_for_all(attached)
         receiver = stack.enter_context(Companion("bench.receiver", service.udp_port, ROBOTS_PER_TEAM))
         sit_out(SETTLE_S, f"handover at {rate_hz:g} Hz: settling")
-        stamps = stack.enter_context(Companion("bench.stamps", service.control, *WAY))
+        stamps = stack.enter_context(Companion("bench.record_timestamps", service.control, *WAY))
         before = histograms_of(attached, "lateness")
         sit_out(seconds, f"handover at {rate_hz:g} Hz")
         late_us = {

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from vision_core.rtdb.attachment import end_with
+from vision_core.scheduling.attachment import end_with
 
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 

@@ -14,7 +14,7 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
-from bench.companions import READY
+from bench.helpers import READY
 
 NEXT = "next"
 LAST = "state"

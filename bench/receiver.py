@@ -16,7 +16,7 @@ import sys
 import time
 from collections.abc import Iterator
 
-from bench.companions import BELOW_SERVE, READY, keep_time, told_to_end
+from bench.helpers import BELOW_SERVE, READY, keep_time, told_to_end
 from vision_core.client.lag import SO_TIMESTAMPNS, TIMESPEC, stamp_arrivals
 from vision_core.clock import NS_PER_S
 from vision_core.protocol.codec import encode

@@ -14,7 +14,7 @@ from vision_core.errors import SettingsError, SourceError
 
 if TYPE_CHECKING:
     from vision_core.geometry import Bytes, Floats
-    from vision_core.settings import Settings
+    from vision_core.settings.schema import Settings
 
 colors_app = typer.Typer(no_args_is_help=True, help="Measure colors and light in pictures.")
 
@@ -35,7 +35,7 @@ def sample(
     """Print the lines of a venue that make a class of measured colors."""
     from vision_core.color.explain import in_words
     from vision_core.color.samples import hex_from_bgr
-    from vision_core.settings_files import load_settings
+    from vision_core.venues.loader import load_settings
 
     settings = load_settings(venue, config)
     if name in settings.colors.classes:
@@ -60,7 +60,7 @@ def show(picture: Picture, at: Places, radius: Radius = 0, venue: Venue = None, 
     """Say which class a color is of, and why not of another."""
     from vision_core.color.explain import in_words, verdicts
     from vision_core.color.lookup_table import compile_color_table
-    from vision_core.settings_files import load_settings
+    from vision_core.venues.loader import load_settings
 
     settings = load_settings(venue, config)
     table = compile_color_table(settings.colors)
@@ -81,8 +81,8 @@ def light(
 ) -> None:
     """Measure the light: what colors.light.reference_bgr should be, and the gains that pictures would get."""
     from vision_core.color.light import field_samples, light_of, reference_of
-    from vision_core.settings_files import load_settings
-    from vision_core.settings_models import camera_model_from
+    from vision_core.venues.loader import load_settings
+    from vision_core.models.from_settings import camera_model_from
 
     settings = load_settings(venue, config)
     size, wanted = (settings.camera.width_px, settings.camera.height_px), settings.colors.light
@@ -123,7 +123,7 @@ def color_at(pixels: "Bytes", place: tuple[int, int], radius: int, picture: Path
 
 
 def _sized_picture(picture: Path, settings: "Settings") -> "Bytes":
-    from vision_core.opencv import read_picture
+    from vision_core.native.opencv import read_picture
 
     pixels = read_picture(picture)
     camera = settings.camera
@@ -137,7 +137,7 @@ def _lit_picture(picture: Path, settings: "Settings") -> "Bytes":
     """The picture as perception sees it. A light that cannot be judged is told on stderr."""
     from vision_core.clock import Instant
     from vision_core.color.light import Lighting
-    from vision_core.settings_models import camera_model_from
+    from vision_core.models.from_settings import camera_model_from
 
     lighting = Lighting(settings, camera_model_from(settings))
     pixels = lighting.lit(_sized_picture(picture, settings), Instant(0))

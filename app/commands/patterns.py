@@ -9,8 +9,8 @@ from app.commands.options import ConfigFile
 from vision_core.errors import SettingsError
 
 if TYPE_CHECKING:
-    from vision_core.pattern_checks import PatternReport, Rival
-    from vision_core.pattern_files import Pattern
+    from vision_core.patterns.distinctness import PatternReport, Rival
+    from vision_core.patterns.loader import Pattern
 
 app = typer.Typer(no_args_is_help=True, help="Markers that robots wear: list, check and print them.")
 
@@ -21,7 +21,7 @@ PaletteVenue = Annotated[str | None, typer.Option(help="Check the colors against
 @app.command("list")
 def list_patterns() -> None:
     """List the patterns that come with PSLV."""
-    from vision_core.pattern_files import load_pattern
+    from vision_core.patterns.loader import load_pattern
 
     for name in _shipped():
         pattern = load_pattern(name)
@@ -36,9 +36,9 @@ def check(names: Names = None, venue: PaletteVenue = None, config: ConfigFile = 
 
     Several names are a set that is seen on one field. Without names: the venue's patterns, or every shipped one.
     """
-    from vision_core.pattern_checks import nearest_rival, report_on
-    from vision_core.pattern_files import load_pattern
-    from vision_core.pattern_geometry import SAME_MM
+    from vision_core.patterns.distinctness import nearest_rival, report_on
+    from vision_core.patterns.loader import load_pattern
+    from vision_core.patterns.geometry import SAME_MM
 
     chosen = list(dict.fromkeys(names or _of_venue(venue, config) or _shipped()))
     patterns = [load_pattern(name) for name in chosen]
@@ -65,8 +65,8 @@ def print_sheets(
     ids: Annotated[str | None, typer.Option(help="Which ids: 1,2,5; without it, all.")] = None,
 ) -> None:
     """Write sheets of markers as a PDF, true to scale on A4."""
-    from vision_core.pattern_files import load_pattern
-    from vision_core.tasks.pattern_sheets import write_sheets
+    from vision_core.patterns.loader import load_pattern
+    from vision_core.patterns.sheets import write_sheets
     from vision_core.types.objects import Team
 
     if team is not None and team not in list(Team):
@@ -79,14 +79,14 @@ def print_sheets(
 
 
 def _shipped() -> list[str]:
-    from vision_core.settings_files import config_folder
+    from vision_core.venues.loader import config_folder
 
     return sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
 
 
 def _of_venue(venue: str | None, config: Path | None) -> list[str]:
-    from vision_core.settings_files import load_settings
-    from vision_core.settings_models import robots_of
+    from vision_core.venues.loader import load_settings
+    from vision_core.models.from_settings import robots_of
     from vision_core.types.objects import Team
 
     if venue is None and config is None:
@@ -128,8 +128,8 @@ def _rival(rival: "Rival") -> str:
 
 
 def _check_colors(colors: dict[str, None], venue: str | None, config: Path | None) -> None:
-    from vision_core.settings_files import load_settings
-    from vision_core.tasks.pattern_colors import report_on_colors
+    from vision_core.venues.loader import load_settings
+    from vision_core.evaluation.pattern_colors import report_on_colors
 
     settings = load_settings(venue, config)
     report = report_on_colors(list(colors), settings)

@@ -19,7 +19,7 @@ from vision_core.errors import PslvError
 
 if TYPE_CHECKING:
     from vision_core.rtdb.infos import SelfTest
-    from vision_core.settings import Settings
+    from vision_core.settings.schema import Settings
 
 console = Console(stderr=True, highlight=False)
 
@@ -46,7 +46,7 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
-    from vision_core.settings_files import layers_of, place_of, settings_from_layers
+    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
     from vision_core.tasks.table import check_table
 
     options = {
@@ -65,9 +65,9 @@ def serve(
 
 def _run(settings: "Settings") -> int:
     """The service until somebody stops it; its exit status."""
-    from app.holders import lock_camera
-    from app.service_plan import plan_service, prepare_data_folder
-    from app.supervisor.service import Supervisor
+    from app.launch.resource_owners import lock_camera
+    from app.launch.plan import plan_service, prepare_data_folder
+    from app.supervisor.supervisor import Supervisor
     from vision_core.capture.source import is_device
     from vision_core.rtdb import records
     from vision_core.scheduling.selftest import in_words
@@ -97,7 +97,7 @@ def _try_out(settings: "Settings") -> "SelfTest":
     with subprocess.Popen(command, stdout=subprocess.PIPE, process_group=0) as timing, contextlib.ExitStack() as held:
         held.callback(timing.kill)
         opened = subprocess.run(
-            [sys.executable, "-m", "vision_core.tasks.preflight"],
+            [sys.executable, "-m", "vision_core.startup.preflight"],
             input=msgspec.json.encode(settings),
             capture_output=True,
             check=False,
@@ -115,7 +115,7 @@ def _try_out(settings: "Settings") -> "SelfTest":
 
 def _in_use_by(settings: "Settings") -> str:
     """Who else has the camera open that could not be: any program may, not only a service."""
-    from app.holders import device_holder, device_path
+    from app.launch.resource_owners import device_holder, device_path
     from vision_core.capture.source import is_device
 
     holder = device_holder(device_path(settings.source.uri.partition(":")[2])) if is_device(settings) else None

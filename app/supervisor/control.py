@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 from vision_core.clock import NS_PER_S
 from vision_core.errors import ServiceError
-from vision_core.peers import process_and_user
+from vision_core.net.unix_peers import process_and_user
 
 Answer: TypeAlias = tuple[dict[str, Any], tuple[int, ...]]
 """A table to tell, and descriptors to send along."""

@@ -43,5 +43,5 @@ class ServicePlan:
     """Names of the processes that are kept warm."""
     control: str
     """Name of the abstract socket for requests, without the leading NUL: "pslv/8000"."""
-    spare_module: str = "vision_core.tasks.spare"
+    spare_module: str = "vision_core.startup.spare"
     """What a warm spare runs until it is needed; see there for what is asked of it."""

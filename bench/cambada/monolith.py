@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from bench.cambada.detectors import DETECTORS, Detector, detector_of
-from bench.cambada.diary import Diary
+from bench.cambada.activation_log import Diary
 from bench.cambada.paper import RATE_HZ
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
-from vision_core.opencv import read_picture
+from vision_core.native.opencv import read_picture
 from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 
 LOOP, BALL = "loop", "loop's ball_om"
 PERIOD_NS = round(NS_PER_S / RATE_HZ)

@@ -9,7 +9,7 @@ from bench.cambada.paper import TASKS
 from bench.cambada.results import Loop, Modular, execution_ms, intervals_ms, spread_of
 from bench.charts import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
 from vision_core.geometry import Bytes, Floats
-from vision_core.opencv import Color
+from vision_core.native.opencv import Color
 
 Named: TypeAlias = tuple[str, Floats, Color]
 """A series, its values [ms] and its color."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.camera_model import CameraModel
+from vision_core.models.camera import CameraModel
 from vision_core.geometry import Bytes, Floats
 
 LUMA = np.array([0.114, 0.587, 0.299])

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from bench.cambada.diary import BEGAN, DONE, DUE, FOUND, IMAGE, Rows
+from bench.cambada.activation_log import BEGAN, DONE, DUE, FOUND, IMAGE, Rows
 from bench.cambada.paper import LOOPS, RATE_HZ, TASKS
 from bench.runner import Row
 from vision_core.clock import NS_PER_MS, NS_PER_S

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from app.blackboard import FrameStamp, Readings
+from app.web.blackboard import FrameStamp, Readings
 from tests.app.fake_tasks import Condition, process_infos, self_test, task_info
 from vision_core.clock import Instant
 from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, TaskInfo
 from vision_core.rtdb.items import T, Timed
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 from vision_core.tasks.table import task_table
 from vision_core.types.objects import Sightings
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import uvicorn
 
-from app.server import create_app
+from app.web.application import create_app
 from tests.app.fake_picture import FakePicture, Pose
 from tests.app.fake_tasks import (
     SPARES,
@@ -32,10 +32,10 @@ from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, SourceInfo
 from vision_core.rtdb.items import Item, T
 from vision_core.rtdb.store import Store, create_block
-from vision_core.settings import Settings
-from vision_core.settings_files import load_settings
-from vision_core.settings_models import camera_model_from, robots_of
-from vision_core.tasks.messages import Messages
+from vision_core.settings.schema import Settings
+from vision_core.venues.loader import load_settings
+from vision_core.models.from_settings import camera_model_from, robots_of
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.objects import (
     BallSighting,

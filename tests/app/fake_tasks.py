@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vision_core.clock import NS_PER_MS, Instant
-from vision_core.histogram import Histograms
+from vision_core.timing.histogram import Histograms
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, Proposal, SelfTest, TaskInfo
 from vision_core.rtdb.items import Item

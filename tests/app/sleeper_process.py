@@ -3,7 +3,7 @@
 import sys
 import time
 
-from vision_core.rtdb.attachment import attach, monotonic
+from vision_core.scheduling.attachment import attach, monotonic
 
 
 def main() -> None:

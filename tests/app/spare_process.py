@@ -3,7 +3,7 @@
 import sys
 from importlib import import_module
 
-from vision_core.tasks.spare import attach_quietly, wait_and_become
+from vision_core.startup.spare import attach_quietly, wait_and_become
 
 
 def main() -> None:

@@ -8,8 +8,8 @@ import os
 import sys
 
 from app.supervisor.plan import ChildPlan, ServicePlan
-from app.supervisor.service import Supervisor
-from vision_core.rtdb.attachment import monotonic
+from app.supervisor.supervisor import Supervisor
+from vision_core.scheduling.attachment import monotonic
 from vision_core.rtdb.layout import RecordSpec
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from bench.dashboards import Block, arm_of, counted, ratio_interval
-from bench.way import FRAMES, SIGHTINGS, VIEWS
+from bench.frame_path import FRAMES, SIGHTINGS, VIEWS
 from vision_core.clock import NS_PER_MS, Instant
-from vision_core.histogram import BINS, Counts, quantile_s
+from vision_core.timing.histogram import BINS, Counts, quantile_s
 
 
 def blocks_of(scale_ms: float, seed: int, count: int = 6) -> list[Counts]:

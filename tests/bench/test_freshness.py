@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from bench.freshness import OF_FRAMES, Doubter
-from bench.way import FRAMES, VIEWS
+from bench.frame_path import FRAMES, VIEWS
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant, MonotonicClock
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.slots import SlotReader

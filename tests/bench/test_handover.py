@@ -6,8 +6,8 @@ import subprocess
 import pytest
 
 from bench.handover import busy_by_task, joined
-from bench.twins.build import build_program
-from bench.way import WAY
+from bench.baselines.build import build_program
+from bench.frame_path import WAY
 
 BOOT = 1_000_000_000
 PERIOD = 5_000_000

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.cambada.diary import Rows
+from bench.cambada.activation_log import Rows
 from bench.cambada.paper import LOOPS, TASKS
 from bench.cambada.picture import draw
 from bench.cambada.results import Loop, Modular, intervals_ms, skipped_of, spread_of, table_1, table_3, told_of

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.geometry import Bytes
-from vision_core.settings import BlobSettings
+from vision_core.settings.schema import BlobSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
 

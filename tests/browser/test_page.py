@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page, expect
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene
 from vision_core.geometry import rotation
 from vision_core.rtdb import records
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 from vision_core.types.tracks import RobotTrack
 
 pytestmark = pytest.mark.browser

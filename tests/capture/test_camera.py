@@ -8,8 +8,8 @@ from vision_core.capture.camera import driver_instant
 from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant, ManualClock
 from vision_core.errors import SourceError
-from vision_core.opencv import Video, write_yuyv
-from vision_core.settings_files import load_settings
+from vision_core.native.opencv import Video, write_yuyv
+from vision_core.venues.loader import load_settings
 
 NOW = Instant(4000 * NS_PER_S)
 

@@ -14,8 +14,8 @@ from vision_core.capture.source import Source, open_source
 from vision_core.clock import NS_PER_S, ManualClock
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
-from vision_core.opencv import write_picture
-from vision_core.settings_files import load_settings
+from vision_core.native.opencv import write_picture
+from vision_core.venues.loader import load_settings
 
 WIDTH, HEIGHT = 96, 64
 

@@ -5,7 +5,7 @@ import pytest
 from vision_core.capture.source import ACCEPTED, open_source
 from vision_core.clock import ManualClock
 from vision_core.errors import SourceError
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 
 
 @pytest.mark.parametrize("uri", ["", "simulation", "synthetic:1", "file:", "camera:", "rtsp://10.0.0.1", "0"])

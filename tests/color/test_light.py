@@ -21,9 +21,9 @@ from vision_core.color.light import (
     sums_by_level,
 )
 from vision_core.geometry import Bytes
-from vision_core.settings import LightSettings
-from vision_core.settings_files import load_settings
-from vision_core.settings_models import camera_model_from
+from vision_core.settings.schema import LightSettings
+from vision_core.venues.loader import load_settings
+from vision_core.models.from_settings import camera_model_from
 from vision_core.types.colors import Light
 
 SETTINGS = load_settings()

@@ -6,8 +6,8 @@ import pytest
 
 from vision_core.color.lookup_table import cell_centers, compile_color_table, keep_classes
 from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
-from vision_core.settings import ColorRange
-from vision_core.settings_files import load_settings
+from vision_core.settings.schema import ColorRange
+from vision_core.venues.loader import load_settings
 
 COLORS = load_settings().colors
 RED_AND_SKY = msgspec.structs.replace(

@@ -9,8 +9,8 @@ from vision_core.color.explain import verdicts
 from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.color.samples import bgr_from_hex, claims_by_samples, hex_from_bgr, nearest_samples
 from vision_core.color.spaces import ycc_from_bgr
-from vision_core.settings import ColorRange, SamplingSettings
-from vision_core.settings_files import load_settings
+from vision_core.settings.schema import ColorRange, SamplingSettings
+from vision_core.venues.loader import load_settings
 
 COLORS = load_settings().colors
 SAMPLING = SamplingSettings(tolerance=25.0, luma_weight=0.3)

@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.holders import lock_camera
+from app.launch.resource_owners import lock_camera
 from bench.service import RunningService, is_alive, running_service
 from tests.conftest import ROOT
 from vision_core.clock import MonotonicClock
 from vision_core.net.control import attach_to
-from vision_core.opencv import write_picture
+from vision_core.native.opencv import write_picture
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PAPER_CLIENT = ROOT / "bench" / "paper_client.py"

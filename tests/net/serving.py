@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from tests.protocol.samples import LETTERS, SUBNETS, simple_view
 from vision_core.clock import Instant, MonotonicClock
-from vision_core.mirror_model import PAPER_MIRROR
+from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.net.batch import Batch
 from vision_core.net.server import Delivery, UdpServer
 from vision_core.net.udp import open_server_sockets

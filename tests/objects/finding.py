@@ -4,12 +4,12 @@ import msgspec
 import numpy as np
 
 from tests.objects.drawing import PAINT_TABLE, SETTINGS, Picture, overhead_camera
-from vision_core.camera_kernels import camera_map_from
-from vision_core.objects.robot_finder import RobotFinder, find_robots, robot_finder
-from vision_core.objects.robot_reasons import Scene
-from vision_core.pattern_files import Pattern, load_pattern
-from vision_core.settings import Settings, TeamRobotSettings
-from vision_core.settings_files import config_folder
+from vision_core.models.camera_kernels import camera_map_from
+from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
+from vision_core.objects.robots.reasons import Scene
+from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.settings.schema import Settings, TeamRobotSettings
+from vision_core.venues.loader import config_folder
 from vision_core.types.tables import MOST_ROBOTS, ROBOT, Table
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))

@@ -5,8 +5,8 @@ import pytest
 
 from vision_core.geometry import Bytes
 from vision_core.objects.obstacles import ObstacleFinder
-from vision_core.settings_files import load_settings
-from vision_core.settings_models import camera_model_from
+from vision_core.venues.loader import load_settings
+from vision_core.models.from_settings import camera_model_from
 from vision_core.types.objects import BallSighting, RobotSighting, Team
 
 SETTINGS = load_settings()

@@ -6,7 +6,7 @@ import numpy as np
 
 from vision_core.clock import Instant, ManualClock
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.letters import LetterTable
+from vision_core.protocol.edge_codes import LetterTable
 from vision_core.protocol.lifecycle import Peer, Port
 from vision_core.protocol.session import Arrival, Event, Reply, Rules, Sessions
 from vision_core.types.field import EdgeKind

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vision_core.mirror_model import PAPER_MIRROR
+from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.codec import decode_commands
 from vision_core.protocol.messages import Faulty, Init
 from vision_core.protocol.options import (
@@ -17,7 +17,7 @@ from vision_core.protocol.options import (
     directions_deg,
     ray_indices,
 )
-from vision_core.protocol.refusals import ErrorName
+from vision_core.protocol.error_codes import ErrorName
 
 
 def asked(option: str) -> Options | ErrorName:

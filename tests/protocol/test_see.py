@@ -7,7 +7,7 @@ import pytest
 
 from tests.protocol.samples import BOOT, LETTERS, simple_view
 from vision_core.clock import Instant
-from vision_core.mirror_model import PAPER_MIRROR, Mirror
+from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import decode_message
 from vision_core.protocol.messages import HIDDEN, Ball, See
 from vision_core.protocol.options import LONGEST_DATAGRAM, PAPER_OPTIONS, Options

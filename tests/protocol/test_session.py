@@ -19,7 +19,7 @@ from tests.protocol.samples import (
 )
 from vision_core.clock import Instant, after
 from vision_core.protocol.lifecycle import Change, Peer, Port, Session
-from vision_core.protocol.refusals import ErrorName
+from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.session import Arrival, Refused, Reply, SessionClosed, SessionMoved, SessionOpened, Sessions
 
 INIT = b"(init blue 3)"

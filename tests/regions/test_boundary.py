@@ -7,15 +7,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from vision_core.camera_model import CameraModel, PinholeCamera
+from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
-from vision_core.field_model import accepted_half_extent
+from vision_core.models.field import accepted_half_extent
 from vision_core.geometry import Bytes, Floats
-from vision_core.opencv import read_picture
+from vision_core.native.opencv import read_picture
 from vision_core.regions.boundary import RAYS, BoundaryFinder
-from vision_core.settings_files import load_settings
-from vision_core.settings_models import camera_model_from
+from vision_core.venues.loader import load_settings
+from vision_core.models.from_settings import camera_model_from
 from vision_core.types.regions import FieldBoundary
 
 SETTINGS = load_settings()

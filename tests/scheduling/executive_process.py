@@ -12,7 +12,7 @@ from typing import Any
 
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.rtdb.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.rtdb.infos import Proposal, ProposedSettings
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.store import create_block
@@ -20,7 +20,7 @@ from vision_core.scheduling.executive import Executive
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import PERIOD, Task
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 
 IMAGES, SEEN = packed("images", int, 64, 1.0), packed("seen", int, 64, 1.0)
 TASKS = (

@@ -9,13 +9,13 @@ import pytest
 
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.rtdb.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import create_block
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.task import PERIOD, Task
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 
 SEEN, TOLD, OTHER = (packed(name, int, 64, 1.0) for name in ("seen", "told", "other"))
 TASK = Task("mine", "m", PERIOD, ("seen",), ("told",), "mine", period_s=0.1)

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from vision_core.clock import Instant, after
 from vision_core.geometry import Floats
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 from vision_core.tracks.filters import density_from_acceleration, start_variance
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team

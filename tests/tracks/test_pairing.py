@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 from vision_core.tracks.pairing import pair_nearest, reach_m2
 from vision_core.tracks.state import rules_from, state_of_nothing
 from vision_core.types.tables import NO_ID, SightingsTable

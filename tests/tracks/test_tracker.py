@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vision_core.clock import Instant, after, seconds_between
-from vision_core.settings_files import load_settings
+from vision_core.venues.loader import load_settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import MOST_ROBOTS, SightingsTable

@@ -7,13 +7,13 @@ import numpy as np
 from msgspec.structs import replace
 
 from vision_core.clock import Instant
-from vision_core.settings import FieldSettings, Settings, TeamRobotSettings
-from vision_core.settings_files import load_settings
+from vision_core.settings.schema import FieldSettings, Settings, TeamRobotSettings
+from vision_core.venues.loader import load_settings
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
 from vision_core.types.views import RobotView
-from vision_core.views.eyes import Eyes, viewer_of
+from vision_core.views.renderer import Eyes, viewer_of
 
 SETTINGS = load_settings()
 AT = Instant(1_000_000_000)

@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from tests.views.scenes import AT, SETTINGS, Observer, fields, obstacle, robot, with_squares, world
-from vision_core.settings import FieldSettings, ViewSettings
+from vision_core.settings.schema import FieldSettings, ViewSettings
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tracks import World

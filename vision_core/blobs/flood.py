@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.blobs.lanes import class_at
+from vision_core.blobs.simd import class_at
 from vision_core.geometry import Bytes
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 
 ROW, START, END, FROM_ROW, FROM_START, FROM_END = range(6)
 """Columns of the stack of runs: a run, END exclusive, and the run next to it that led there."""

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 from vision_core.types.tables import BLOB, Table
 
 Row: TypeAlias = Any

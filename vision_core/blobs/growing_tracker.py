@@ -8,7 +8,7 @@ import numpy as np
 from vision_core.blobs.growing import LIMITS, NOT_FOUND, grow, memory_for, step_for
 from vision_core.clock import Instant, seconds_between
 from vision_core.geometry import Bytes
-from vision_core.kernels import read_only
+from vision_core.native.kernels import read_only
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
 

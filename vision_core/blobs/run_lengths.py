@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes
-from vision_core.kernels import kernel, read_only
-from vision_core.settings import BlobSettings
+from vision_core.native.kernels import kernel, read_only
+from vision_core.settings.schema import BlobSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import BLOB, Table
 

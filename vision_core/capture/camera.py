@@ -11,8 +11,8 @@ from vision_core.capture.playback import check_size
 from vision_core.clock import NS_PER_MS, NS_PER_S, Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
-from vision_core.opencv import open_camera
-from vision_core.settings import CameraSettings
+from vision_core.native.opencv import open_camera
+from vision_core.settings.schema import CameraSettings
 
 OLDEST_STAMP_NS = NS_PER_S
 STAMP_ROUNDING_NS = NS_PER_MS

@@ -19,7 +19,7 @@ NumPy and the standard library are enough, on any system. Files: ``connection``,
 
 from vision_core.client.connection import Connection, connect
 from vision_core.client.view import View
-from vision_core.mirror_model import Mirror
+from vision_core.models.mirror import Mirror
 from vision_core.protocol.options import Options
 
 __all__ = ["Connection", "Mirror", "Options", "View", "connect"]

@@ -14,7 +14,7 @@ from vision_core.client.connection import RESTART_S, Connection, connect
 from vision_core.client.view import View
 from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import PslvError
-from vision_core.mirror_model import PAPER_MIRROR, Mirror
+from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.messages import LARGEST_NUMBER
 from vision_core.protocol.options import FASTEST_HZ, Options
 from vision_core.types.objects import Team
@@ -82,8 +82,8 @@ def sentence_from_view(view: View) -> str:
 
 def draw(view: View, robot: Connection, path: Path) -> None:
     """Write the view as the simulated on-board picture of the paper's figure 6."""
-    from vision_core.png import write_png
-    from vision_core.views.panorama import draw_panorama
+    from vision_core.client.png import write_png
+    from vision_core.client.panorama import draw_panorama
 
     options, ball = robot.init.options, view.ball
     whole_deg = ball.size_deg * (2.0 if options.size == "half" else 1.0)

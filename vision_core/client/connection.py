@@ -10,11 +10,11 @@ from vision_core.client.lag import LagReports, SockAddress, receive_stamped, sta
 from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
 from vision_core.errors import ConnectionRefused
-from vision_core.mirror_model import PAPER_MIRROR, Mirror
+from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import LONGEST_ANSWER, decode_message, encode
 from vision_core.protocol.messages import Bye, Error, Init, InitReply, See, ServerMessage
 from vision_core.protocol.options import PAPER_OPTIONS, Options
-from vision_core.protocol.refusals import MEANINGS
+from vision_core.protocol.error_codes import MEANINGS
 from vision_core.types.objects import Team
 
 RETRY_S = 0.3

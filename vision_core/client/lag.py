@@ -15,7 +15,7 @@ from collections import deque
 
 from vision_core.clock import NS_PER_S, Instant, seconds_between
 from vision_core.protocol.messages import LONGEST_LAG_S, Lag
-from vision_core.protocol.refusals import ErrorName
+from vision_core.protocol.error_codes import ErrorName
 
 REPORT_S = 1.0
 """Between two reports."""

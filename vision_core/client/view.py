@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Floats, frozen
-from vision_core.mirror_model import MM_PER_M, Mirror
+from vision_core.models.mirror import MM_PER_M, Mirror
 from vision_core.protocol.messages import NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, directions_deg
 

@@ -7,7 +7,7 @@ import numpy as np
 from vision_core.color.lookup_table import SPACES
 from vision_core.color.samples import hex_from_bgr, nearest_samples, sampled_names
 from vision_core.geometry import Floats
-from vision_core.settings import ColorRange, ColorSettings
+from vision_core.settings.schema import ColorRange, ColorSettings
 
 SCALES = {"hue_deg": 180.0, "phase_deg": 180.0, "saturation": 1.0, "value": 1.0, "module": 181.0, "luma": 255.0}
 """What a miss is compared by: the axes' whole lengths."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vision_core.color.samples import claims_by_samples
 from vision_core.color.spaces import ec_from_bgr, hsv_from_bgr, ymp_from_bgr
 from vision_core.geometry import Floats, frozen
-from vision_core.settings import ColorRange, ColorSettings
+from vision_core.settings.schema import ColorRange, ColorSettings
 from vision_core.types.colors import ColorTable
 
 CELLS = 1 << 16

@@ -11,7 +11,7 @@ from vision_core.color.spaces import (
     hsv_from_bgr,
 )
 from vision_core.geometry import Bytes
-from vision_core.opencv import ycc_picture
+from vision_core.native.opencv import ycc_picture
 
 TURN = 256
 """Angles in pictures are bytes, 256ths of a turn."""

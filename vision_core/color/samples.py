@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vision_core.color.spaces import ycc_from_bgr
 from vision_core.geometry import Floats
-from vision_core.settings import SamplingSettings
+from vision_core.settings.schema import SamplingSettings
 
 NONE = "none"
 """The class of samples of what is not searched."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes
-from vision_core.kernels import carray, external, kernel
+from vision_core.native.kernels import carray, external, kernel
 from vision_core.types.tables import Table
 
 NOT_SENT, SENT, DROPPED, REFUSED = 0, 1, 2, 3

@@ -14,7 +14,7 @@ from typing import Any
 
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.peers import process_and_user
+from vision_core.net.unix_peers import process_and_user
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store
 

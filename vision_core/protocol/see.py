@@ -6,9 +6,9 @@ import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes, Floats
-from vision_core.mirror_model import MM_PER_M, Mirror
+from vision_core.models.mirror import MM_PER_M, Mirror
 from vision_core.protocol.codec import encode_see
-from vision_core.protocol.letters import LetterTable, letters_by_kind
+from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
 from vision_core.protocol.messages import HIDDEN, NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, ray_indices
 from vision_core.types.field import EdgeKind

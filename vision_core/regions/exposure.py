@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from vision_core.camera_model import CameraModel
-from vision_core.field_model import accepted_half_extent
+from vision_core.models.camera import CameraModel
+from vision_core.models.field import accepted_half_extent
 from vision_core.geometry import Bytes, Floats
-from vision_core.settings import FieldSettings
+from vision_core.settings.schema import FieldSettings
 from vision_core.types.regions import ExposureCheck
 
 POINTS = 60

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from vision_core.clock import Instant
-from vision_core.settings import Settings
+from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
 

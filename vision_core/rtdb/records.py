@@ -29,7 +29,7 @@
 
 import msgspec
 
-from vision_core.histogram import size_of
+from vision_core.timing.histogram import size_of
 from vision_core.rtdb.infos import (
     LAGS,
     TIMINGS,
@@ -112,7 +112,7 @@ def task(name: str) -> Item[TaskInfo]:
 
 
 def timing(name: str) -> RecordSpec:
-    """The histograms TIMINGS of a task; see ``vision_core.histogram``."""
+    """The histograms TIMINGS of a task; see ``vision_core.timing.histogram``."""
     return RecordSpec(f"timing/{name}", size_of(TIMINGS), 2.0)
 
 

@@ -3,8 +3,8 @@
 from vision_core.regions.boundary import BoundaryFinder
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.settings_models import camera_model_from
-from vision_core.tasks.watching import watching
+from vision_core.models.from_settings import camera_model_from
+from vision_core.scheduling.watching import watching
 
 
 def start(handle: Handle) -> Step:

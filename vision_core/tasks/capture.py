@@ -15,7 +15,7 @@ import numpy as np
 from vision_core.capture.source import Source, is_device, open_source
 from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SourceError
-from vision_core.pace import RateKeeper
+from vision_core.timing.rate_keeper import RateKeeper
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Order, SourceInfo
 from vision_core.scheduling.handle import Handle, Step

@@ -3,9 +3,9 @@
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
-from vision_core.tasks.diagnosis import reasons_of
-from vision_core.tasks.images import Images
-from vision_core.tasks.perception import Perception
+from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.scheduling.latest_image import Images
+from vision_core.pipeline.perception import Perception
 from vision_core.types.objects import Diagnosis
 
 

@@ -19,7 +19,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.scheduling.checks import Problem, problems
 from vision_core.scheduling.task import DRIVER, NONE, Task
-from vision_core.settings import Settings, TaskSettings
+from vision_core.settings.schema import Settings, TaskSettings
 
 GIVEN = ("service", "processes", "selftest")
 """Records that no task writes: the supervisor does, and what runs once at the start."""
@@ -89,7 +89,7 @@ def _page(settings: Settings) -> Iterator[Task]:
     yield line("diagnose", frames, [frames], [diagnosis])
     seen = [frames, source, sightings, obstacles, *watched, diagnosis]
     told = ["processes", "selftest", "world", "views", "serving", "lags"]
-    yield line("web", NONE, [*told, *seen], ["proposed_settings"], module="app.web_process", sockets=["http"])
+    yield line("web", NONE, [*told, *seen], ["proposed_settings"], module="app.web.process", sockets=["http"])
 
 
 def _timed(task: Task, times: TaskSettings) -> Task:

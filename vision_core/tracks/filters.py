@@ -10,7 +10,7 @@ covariance of value and rate, variance of the rate. The values themselves need o
 (value + rate * t; value + gain * innovation), which stands where they are kept.
 """
 
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 
 MANEUVER_S = 0.1
 """How long an acceleration lasts; see `density_from_acceleration`."""

@@ -8,7 +8,7 @@ well-tracked robot to make room for the first. Greedy leaves the sure ones alone
 
 import math
 
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 from vision_core.tracks.state import GATE_SIGMAS, Row
 from vision_core.types.tables import NO_ID, Table
 

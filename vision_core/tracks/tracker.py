@@ -3,11 +3,11 @@
 import numpy as np
 
 from vision_core.clock import Instant
-from vision_core.kernels import kernel
-from vision_core.settings import RobotSettings, TrackSettings
-from vision_core.tracks.ball_lives import update_ball, write_ball
-from vision_core.tracks.obstacle_lives import update_obstacles, write_obstacles
-from vision_core.tracks.robot_lives import update_robots, write_robots
+from vision_core.native.kernels import kernel
+from vision_core.settings.schema import RobotSettings, TrackSettings
+from vision_core.tracks.ball_tracks import update_ball, write_ball
+from vision_core.tracks.obstacle_tracks import update_obstacles, write_obstacles
+from vision_core.tracks.robot_tracks import update_robots, write_robots
 from vision_core.tracks.state import NEVER, rules_from, state_of_nothing
 from vision_core.types.tables import MOST_OBSTACLES, OBSTACLE, SightingsTable, Table, WorldTable
 
@@ -18,7 +18,7 @@ class Tracker:
     A robot's track starts with its first sighting and is predicted for ``tracks.validity_ms`` past its last
     one; the ball's for ``tracks.ball_validity_ms``; an obstacle's for ``tracks.obstacle_validity_ms``. An id (or
     a ball) that appears beyond its track's gate does not move it at once: the track starts over there only when a
-    second sighting confirms the new place. The rules stand in ``vision_core.tracks.robot_lives``, ``ball_lives`` and
+    second sighting confirms the new place. The rules stand in ``vision_core.tracks.robot_tracks``, ``ball_lives`` and
     ``obstacle_lives``.
 
     Every call returns the same table, the tracker's own: the next call overwrites it.

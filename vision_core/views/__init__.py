@@ -4,7 +4,7 @@ After section 3.3 of the PSLV paper: in each direction the nearest edge on the f
 no edge. Theory of operation, files from the outside in:
 
 ``eyes``
-    :class:`~vision_core.views.eyes.Eyes`: a world in, what every robot sees out, in one compiled call.
+    :class:`~vision_core.views.renderer.Eyes`: a world in, what every robot sees out, in one compiled call.
 ``bodies``
     everything of a world that stands in the way, laid out once for all robots.
 ``splat``

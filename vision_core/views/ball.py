@@ -16,9 +16,9 @@ What the union of these intervals leaves of the ball's interval is visible.
 import math
 
 from vision_core.geometry import Floats
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 from vision_core.types.tables import Table
-from vision_core.views.bodies import corner, holder
+from vision_core.views.outlines import corner, holder
 
 SLIVER_RAD = 1e-9
 """Less than this between two hiding intervals is rounding: a corner that two walls share is closed."""

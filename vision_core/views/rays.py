@@ -2,7 +2,7 @@
 
 import math
 
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 
 CORNER = 1e-9
 """Segments are longer by this share at either end: no ray slips through a corner that two of them share."""

@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from vision_core.geometry import Bytes, Floats
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 from vision_core.types.tables import Table
-from vision_core.views.bodies import corner, holder
+from vision_core.views.outlines import corner, holder
 from vision_core.views.rays import segment_reach
 
 FULL_TURN = 2.0 * math.pi

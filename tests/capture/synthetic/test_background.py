@@ -6,7 +6,7 @@ import pytest
 from tests.capture.synthetic.scenes import pinhole, plain_settings, render, scene
 from vision_core.capture.synthetic.background import make_background
 from vision_core.geometry import Bytes, Floats
-from vision_core.settings import Settings
+from vision_core.settings.schema import Settings
 
 pytestmark = pytest.mark.slow  # renders whole pictures
 

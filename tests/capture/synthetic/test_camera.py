@@ -8,8 +8,8 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import NS_PER_S, Instant, ManualClock
 from vision_core.errors import SettingsError, SourceError
 from vision_core.geometry import Bytes
-from vision_core.settings import Settings
-from vision_core.settings_files import load_settings
+from vision_core.settings.schema import Settings
+from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.slow  # renders whole pictures
 

@@ -6,8 +6,8 @@ import pytest
 
 from vision_core.capture.synthetic.noise import SensorNoise
 from vision_core.geometry import Bytes
-from vision_core.settings import SyntheticSettings
-from vision_core.settings_files import load_settings
+from vision_core.settings.schema import SyntheticSettings
+from vision_core.venues.loader import load_settings
 
 SHAPE = (200, 300, 3)
 ROUNDING = 1.0 / 12.0

@@ -10,9 +10,9 @@ from vision_core.capture.synthetic.render import BODY_BGR, PAINTS_BGR, PLATE_BGR
 from vision_core.capture.synthetic.sprites import meets_square, polygon_depth
 from vision_core.capture.synthetic.truth import visible_share
 from vision_core.geometry import rotation
-from vision_core.pattern_files import load_pattern
-from vision_core.pattern_geometry import depth_mm, inner_points_mm
-from vision_core.settings_files import config_folder
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.geometry import depth_mm, inner_points_mm
+from vision_core.venues.loader import config_folder
 from vision_core.types.objects import Team
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))

@@ -10,7 +10,7 @@ from tests.capture.synthetic.scenes import blob, pinhole, plain_settings, render
 from vision_core.capture.synthetic.render import TIME_ORDER
 from vision_core.capture.synthetic.truth import visible_share
 from vision_core.geometry import Bytes, Floats
-from vision_core.settings import Settings
+from vision_core.settings.schema import Settings
 
 pytestmark = pytest.mark.slow  # renders whole pictures
 

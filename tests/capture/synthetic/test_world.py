@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from vision_core.capture.synthetic.world import Snapshot, World
-from vision_core.field_model import accepted_half_extent, goal_line_x
+from vision_core.models.field import accepted_half_extent, goal_line_x
 from vision_core.geometry import Floats
-from vision_core.settings import Settings
-from vision_core.settings_files import load_settings
+from vision_core.settings.schema import Settings
+from vision_core.venues.loader import load_settings
 
 PERIOD_S = 1.0 / 30.0
 OVERLAP_M = 0.012

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Floats
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 
 FloatImage: TypeAlias = NDArray[np.float32]
 

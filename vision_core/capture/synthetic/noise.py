@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes
-from vision_core.kernels import kernel
-from vision_core.settings import SyntheticSettings
+from vision_core.native.kernels import kernel
+from vision_core.settings.schema import SyntheticSettings
 
 SPARE = 1 << 16
 """The pool is longer than an image by so many numbers: the images' noises begin at as many places."""

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from vision_core.geometry import Floats
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 
 X, Y, HEADING, VX, VY, TURN = range(6)
 COLUMNS = 6

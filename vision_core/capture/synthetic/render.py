@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.camera_model import PinholeCamera
+from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.background import make_background
 from vision_core.capture.synthetic.floor import FOOTPRINT_PX, GRID
 from vision_core.capture.synthetic.noise import SensorNoise
@@ -14,9 +14,9 @@ from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, Pri
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats
-from vision_core.pattern_files import Pattern, load_pattern
-from vision_core.settings import Settings
-from vision_core.settings_models import robots_of
+from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.settings.schema import Settings
+from vision_core.models.from_settings import robots_of
 from vision_core.types.objects import Team
 
 PAINTS_BGR = {

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vision_core.capture.synthetic.floor import FloatImage
 from vision_core.geometry import Bytes, Floats
-from vision_core.kernels import kernel
+from vision_core.native.kernels import kernel
 
 EDGE, NOTHING, TOP, SIDE, FIRST_PATCH = -2, -1, 0, 1, 2
 """Materials of a prism: index into its colors, none, or more than one in a pixel."""

@@ -1,0 +1,182 @@
+"""From settings to what the supervisor starts: the task table, records, sockets."""
+
+import errno
+import os
+import socket
+import sys
+import time
+from collections.abc import Iterator, Sequence
+
+import msgspec
+
+from app.launch.resource_owners import port_holder
+from app.supervisor.plan import ChildPlan, ServicePlan
+from vision_core.capture.source import is_device
+from vision_core.clock import Instant
+from vision_core.errors import ServiceError
+from vision_core.native.kernel_cache import kernel_folder
+from vision_core.net.control import PREFIX
+from vision_core.net.udp import TAKEN, open_server_sockets
+from vision_core.rtdb import records
+from vision_core.rtdb.infos import ServiceInfo
+from vision_core.scheduling.task import DRIVER, LONGEST_RUN_S, NONE, Task
+from vision_core.settings.schema import Settings
+from vision_core.tasks.table import COMPILER, record_specs, task_table
+
+PROPOSED = "proposed_settings"
+"""Every process looks at it in its own time; nobody is woken."""
+SPARES = ("spare-1", "spare-2")
+"""No task has such a name: theirs have no dash."""
+SILENCE_S = 0.3
+"""A process that has not beaten for so long is looked at: it beats ten times a second. Beside that"""
+SLOW_SOURCE_S = 6.0
+"""a camera's driver may block so long when the camera is gone,"""
+WEB_S = 0.8
+"""and the page beats less often."""
+SHORT_RUN_S = 1.0
+"""Every task may compute for so long, whatever its period and budget are."""
+BACKLOG = 128
+ROOM_FOR_ADDRESSES = 1024
+"""In the record of the service, beside the settings [bytes]."""
+
+
+def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, ServiceInfo]:
+    """Open the sockets and lay out everything else. Raises ServiceError, with nothing left open."""
+    if sys.platform != "linux":
+        raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
+    size, room = len(msgspec.msgpack.encode(settings)), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
+    if size > room:
+        raise ServiceError("settings", found=f"{size} bytes of them", accepted=f"at most {room} bytes")
+    server = settings.server
+    udp_host = server.udp_host or server.host
+    http = _listen(server.host, server.port)
+    try:
+        main, session = open_server_sockets(udp_host, server.udp_port, server.session_port)
+    except ServiceError as error:
+        http.close()
+        raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
+    tasks = task_table(settings)
+    children = (_compiler(), *_child_plans(tasks, settings))
+    beating = (*(child.name for child in children), *SPARES)
+    boot = time.monotonic_ns()
+    info = ServiceInfo(
+        version=version,
+        boot=Instant(boot),
+        http=f"http://{_shown(http)}",
+        udp=f"{_shown(main)}, sessions {session.getsockname()[1]}",
+        settings=settings,
+    )
+    plan = ServicePlan(
+        children=children,
+        records=record_specs(settings, tasks, beating),
+        initial={"service": records.SERVICE.encode(info)},
+        sockets={"http": http, "main": main, "session": session},
+        boot=boot,
+        spares=SPARES,
+        control=f"{PREFIX}{http.getsockname()[1]}",
+    )
+    return plan, info
+
+
+def prepare_data_folder() -> None:
+    """Make the folder of state, down to the compiled kernels. Raises ServiceError when it cannot be written."""
+    folder = kernel_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        writable = os.access(folder, os.W_OK)
+    except OSError as error:
+        raise ServiceError(f"data folder {folder}", found=str(error), accepted="PSLV_DATA_DIR names another") from None
+    if not writable:
+        raise ServiceError(
+            f"data folder {folder}", found="it cannot be written", accepted="PSLV_DATA_DIR names another"
+        )
+
+
+def _compiler() -> ChildPlan:
+    """Runs once, before everything that needs compiled kernels."""
+    return ChildPlan(
+        name=COMPILER,
+        module="vision_core.startup.compile",
+        wakes=(),
+        writes=(),
+        sockets=(),
+        after_compile=False,
+        once=True,
+        heartbeat_s=LONGEST_RUN_S,
+        longest_run_s=LONGEST_RUN_S,
+        spared=False,
+    )
+
+
+def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPlan]:
+    """A process for every name that the table has for one, in the table's order."""
+    for process in dict.fromkeys(task.process for task in tasks):
+        ours = [task for task in tasks if task.process == process]
+        own_loop = ours[0].trigger == NONE
+        yield ChildPlan(
+            name=process,
+            module=ours[0].module if own_loop else "vision_core.startup.process",
+            wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
+            writes=tuple(record for task in ours for record in task.writes),
+            sockets=tuple(name for task in ours for name in task.sockets),
+            after_compile=any(task.needs_kernels for task in ours),
+            once=False,
+            heartbeat_s=SILENCE_S + max(_slack_s(task, settings) for task in ours),
+            longest_run_s=min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in ours)), LONGEST_RUN_S),
+        )
+
+
+def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:
+    """Records whose writing releases a task: a driver's task waits for what other tasks tell it."""
+    written = {record for other in tasks if other != task for record in other.writes}
+    if task.trigger == DRIVER:
+        return tuple(record for record in task.reads if record in written and record != PROPOSED)
+    return (task.trigger,) if task.trigger in written else ()
+
+
+def _slack_s(task: Task, settings: Settings) -> float:
+    """How long a healthy process may be silent because of a task, beside SILENCE_S."""
+    if task.trigger == NONE:
+        return WEB_S
+    if task.trigger == DRIVER and is_device(settings):
+        return SLOW_SOURCE_S
+    return 0.0
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """The page's listening socket."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((host, port))
+        listener.listen(BACKLOG)
+    except (OSError, TypeError) as error:  # TypeError: what no host can be named, in bind's words
+        listener.close()
+        in_use = getattr(error, "errno", None) == errno.EADDRINUSE
+        free = "a free port: --port 0 takes any, --port N chooses one"
+        holder = port_holder("tcp", port) if in_use else None
+        found = getattr(error, "strerror", None) or str(error)
+        raise ServiceError(
+            f"TCP port {port} at {host}",
+            found=f"{found}, by {holder}" if holder else found,
+            accepted=free if in_use else "an address of this machine, and a port that it may open",
+        ) from None
+    return listener
+
+
+def _with_holder(error: ServiceError, *ports: int) -> ServiceError:
+    """The same, with the process that has one of the UDP ports, if we may know it."""
+    if error.found != TAKEN:
+        return error
+    holder = next((named for port in ports if port and (named := port_holder("udp", port))), None)
+    return (
+        error
+        if holder is None
+        else ServiceError(error.asked, found=f"{error.found}, by {holder}", accepted=error.accepted)
+    )
+
+
+def _shown(bound: socket.socket) -> str:
+    host, port = bound.getsockname()[:2]
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -1,0 +1,125 @@
+"""Who holds it: the process behind a port, a device, or a camera's lock. What we may not look at has no name."""
+
+import os
+import socket
+from collections.abc import Collection
+from pathlib import Path
+
+from vision_core.errors import ServiceError
+from vision_core.net.unix_peers import process_and_user
+
+PREFIX = "pslv-camera/"
+"""Of the names of sockets that lock cameras."""
+TCP_LISTENING, UDP_BOUND = "0A", "07"
+BACKLOG = 64
+PATIENCE_S = 0.5
+LONGEST_COMMAND = 120
+
+
+def port_holder(kind: str, port: int) -> str | None:
+    """Who has bound a port, "process 1234 (python -m app.main serve)"; None when nobody we may see.
+
+    kind: "tcp" or "udp".
+    """
+    sockets = {f"socket:[{inode}]" for inode in _inodes(kind, port)}
+    return _first(_holders(sockets)) if sockets else None
+
+
+def device_holder(path: str) -> str | None:
+    """Which other process has a device open; None when nobody we may see."""
+    return _first(_holders({os.path.realpath(path)}) - {os.getpid()})
+
+
+def device_path(device: str) -> str:
+    """The file of a camera. device: "0" or "/dev/video0"."""
+    return os.path.realpath(f"/dev/video{device}" if device.isdigit() else device)
+
+
+def lock_camera(device: str) -> socket.socket:
+    """Hold a camera for this service until the socket is closed. device: "0" or "/dev/video0".
+
+    Raises ServiceError naming the service that holds it. The lock is an abstract socket: it vanishes with its process.
+    """
+    path = device_path(device)
+    lock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        lock.bind(f"\0{PREFIX}{path}")
+        lock.listen(BACKLOG)
+    except OSError as error:
+        lock.close()
+        holder = _lock_holder(path)
+        found = f"{holder} holds it" if holder else error.strerror or str(error)
+        raise ServiceError(f"camera {path}", found=found, accepted="a camera that no other service uses") from None
+    return lock
+
+
+def _lock_holder(path: str) -> str | None:
+    """Who holds a camera's lock."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
+        peer.settimeout(PATIENCE_S)
+        try:
+            peer.connect(f"\0{PREFIX}{path}")
+            process, _ = process_and_user(peer)
+        except OSError:
+            return None
+    return _in_words(process)
+
+
+def _inodes(kind: str, port: int) -> set[str]:
+    """Inodes of the sockets of this machine that are bound to a port: listening ones, for TCP."""
+    wanted = TCP_LISTENING if kind == "tcp" else UDP_BOUND
+    found = set()
+    for table in (kind, f"{kind}6"):
+        try:
+            lines = Path(f"/proc/net/{table}").read_text(encoding="ascii").splitlines()[1:]
+        except OSError:
+            continue
+        for line in lines:
+            fields = line.split()
+            if int(fields[1].rpartition(":")[2], 16) == port and fields[3] == wanted:
+                found.add(fields[9])
+    return found
+
+
+def _holders(targets: Collection[str]) -> set[int]:
+    """Processes with a descriptor that leads to one of the targets."""
+    return {int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit() and _holds(entry, targets)}
+
+
+def _holds(process: Path, targets: Collection[str]) -> bool:
+    try:
+        return any(_target(descriptor) in targets for descriptor in (process / "fd").iterdir())
+    except OSError:  # it has ended, or is none of ours
+        return False
+
+
+def _target(descriptor: Path) -> str:
+    """Where a descriptor leads; nowhere when it was closed just now."""
+    try:
+        return str(descriptor.readlink())
+    except OSError:
+        return ""
+
+
+def _first(pids: set[int]) -> str | None:
+    """The one of some processes that the others have it from."""
+    founders = [pid for pid in sorted(pids) if _parent(pid) not in pids]
+    return _in_words(founders[0]) if founders else None
+
+
+def _parent(pid: int) -> int:
+    try:
+        return int(Path(f"/proc/{pid}/stat").read_text(errors="replace").rpartition(")")[2].split()[1])
+    except (OSError, IndexError):
+        return 0
+
+
+def _in_words(pid: int) -> str:
+    """A process and what it runs."""
+    try:
+        words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace").rstrip("\0").split("\0")
+    except OSError:
+        words = [""]
+    command = " ".join([Path(words[0]).name, *words[1:]])
+    shown = "".join(letter if letter.isprintable() else "?" for letter in command)[:LONGEST_COMMAND]
+    return f"process {pid} ({shown})" if shown else f"process {pid}"

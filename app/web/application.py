@@ -1,0 +1,82 @@
+"""The web application: reads the database, serves the page, the API and the live connection.
+
+Theory of operation. One process, one event loop, one worker. It shares no interpreter with anything that
+keeps time, reads shared memory without locks, and no writer ever waits for it. What costs (JPEG) runs in
+a thread and only while somebody looks.
+
+Files, outside-in: ``web_process`` (entry), this factory, ``routes`` (HTTP), ``live`` (WebSocket),
+``turns``, ``status``, ``reports``, ``task_report``, ``timing``, ``metrics``, ``readiness`` and ``degradation``
+(what is told), ``proposals`` (what is wanted of tasks), ``blackboard`` (what is read).
+"""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI, WebSocket
+
+from app.web.blackboard import Blackboard
+from app.web.middleware.local_only import ChangesGuard
+from app.web.heartbeat import beat, own_line
+from app.web.live.connection import POLICY_VIOLATION, Live
+from app.web.problems import install_problems
+from app.web.overrides import Proposals
+from app.web.routes.api import api_routes
+from app.web.routes.health import health_routes
+from app.web.routes.pages import page_routes, static_files
+from app.web.routes.tasks import task_routes
+from app.web.routes.timing import timing_routes
+from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
+from vision_core.rtdb.store import Store
+from vision_core.scheduling.metrics import Gauge
+
+DESCRIPTION = """What every robot on the field would see, from one ceiling camera.
+
+Robots talk UDP; this API is for people and tools. All that it changes is how tasks run.
+
+The live connection of the page is the WebSocket `/live`: send any message, and the newest picture (binary) and state
+(JSON) come back; of the topics picture, timing and state `/live?topics=timing` takes those that it names."""
+
+
+def create_app(store: Store) -> FastAPI:
+    """The application on a database. Raises LookupError before the supervisor's first record."""
+    blackboard = Blackboard(store)
+    settings = blackboard.service.settings
+    task = own_line(settings)
+    gauge = Gauge(store, task, task.process)
+    live = Live(blackboard, gauge)
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        async with asyncio.TaskGroup() as group:  # a bug in one ends both, and the supervisor misses the heartbeat
+            background = (group.create_task(beat(store, task, gauge, live)), group.create_task(live.run()))
+            yield
+            for each in background:
+                each.cancel()
+
+    app = FastAPI(
+        title="PSLV",
+        version=blackboard.service.version,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        docs_url=None,  # ours needs no internet
+        redoc_url=None,
+    )
+    app.add_middleware(ChangesGuard)
+    app.add_middleware(SecurityHeaders)
+    install_problems(app)
+    app.include_router(health_routes(blackboard))
+    app.include_router(api_routes(blackboard))
+    app.include_router(task_routes(blackboard, Proposals(store, settings)))
+    app.include_router(timing_routes(blackboard, live))
+    app.include_router(page_routes())
+    app.mount("/web", static_files())
+
+    @app.websocket("/live")
+    async def live_connection(page: WebSocket) -> None:
+        if is_same_origin(page.headers.get("origin"), page.headers.get("host")):
+            await live.watch(page)
+        else:
+            await page.close(POLICY_VIOLATION)
+
+    return app

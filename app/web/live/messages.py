@@ -1,0 +1,170 @@
+"""What pages are sent: a message of each topic, made when there is news in it and somebody takes it.
+
+Picture, binary and little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the service],
+then a JPEG. State and timing: JSON with a ``topic``, see ``State`` and ``Times``.
+"""
+
+import asyncio
+import struct
+import time
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import msgspec
+
+from app.web.blackboard import Blackboard, Picture
+from app.web.reports.field import Outlines, Points
+from app.web.reports.status import status_from
+from app.web.reports.tasks import tasks_from
+from app.web.reports.timing import timing_from
+from vision_core.clock import Instant, seconds_between
+from vision_core.native.opencv import encode_jpeg, shrink
+from vision_core.rtdb.items import Timed
+from vision_core.types.objects import Obstacles, Sightings
+from vision_core.types.tracks import World
+from vision_core.types.views import Views
+
+PICTURE, TIMING, STATE = "picture", "timing", "state"
+TOPICS = (PICTURE, TIMING, STATE)
+"""In the order in which they are sent."""
+LONGEST_SILENCE_S = 0.25
+"""A state is made after that even when nothing was written, since ages and readiness change by themselves."""
+TIMING_EVERY_S = 0.5
+LARGEST_WIDTH_PX = 960
+JPEG_QUALITY = 75
+PICTURE_HEADER = struct.Struct("<Id")
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What the page shows beside the picture. Bytes travel as base64."""
+
+    topic: str
+    now_s: float
+    """Since the start of the service."""
+    pages: int
+    status: dict[str, object]
+    """The same as /api/v1/status."""
+    sightings: Timed[Sightings] | None
+    outlines_px: list[Points]
+    """In the picture, in the order of the sightings' robots; the first point is where the heading points to."""
+    obstacles: Timed[Obstacles] | None
+    """As seen in one picture; looked for less often than robots."""
+    obstacle_outlines_px: list[Points]
+    """In the picture, in the order of ``obstacles``."""
+    world: Timed[World] | None
+    views: Timed[Views] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """How the tasks do."""
+
+    topic: str
+    now_s: float
+    """Since the start of the service."""
+    tasks: list[dict[str, object]]
+    """The same as /api/v1/tasks."""
+    timing: dict[str, object]
+    """The same as /api/v1/timing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """The newest of a topic."""
+
+    number: int
+    """Another one for every message of the topic."""
+    content: bytes | str
+
+
+class Turns:
+    """Makes messages from the blackboard."""
+
+    def __init__(self, blackboard: Blackboard) -> None:
+        self._blackboard = blackboard
+        self._outlines = Outlines(blackboard.service.settings)
+        self._sequences: tuple[int, ...] = ()
+        self._made_s: dict[str, float] = {}
+        self._made = 0
+        self.newest: dict[str, Message] = {}
+        """By topic."""
+
+    def forget(self, topics: Collection[str]) -> None:
+        """Nobody takes these topics any more: what was made will be old when somebody does."""
+        for topic in topics:
+            self.newest.pop(topic, None)
+
+    async def make(self, topics: Collection[str], pages: int) -> bool:
+        """Make what there is news for; False when there is none. pages: how many are open."""
+        fresh = PICTURE in topics and await self._make_picture()
+        if STATE in topics and (fresh or self._has_changed() or self._is_due(STATE, LONGEST_SILENCE_S)):
+            self._sequences = self._blackboard.sequences
+            self._publish(STATE, self._encoded_state(pages))
+            fresh = True
+        if TIMING in topics and self._is_due(TIMING, TIMING_EVERY_S):
+            self._publish(TIMING, self._encoded_times())
+            fresh = True
+        return fresh
+
+    def _has_changed(self) -> bool:
+        return self._blackboard.sequences != self._sequences
+
+    def _is_due(self, topic: str, every_s: float) -> bool:
+        return topic not in self.newest or time.monotonic() - self._made_s[topic] >= every_s
+
+    def _publish(self, topic: str, content: str) -> None:
+        self._made += 1
+        self._made_s[topic] = time.monotonic()
+        self.newest[topic] = Message(self._made, content)
+
+    async def _make_picture(self) -> bool:
+        """Encode the newest image, in a thread, if it is another one."""
+        before, number = self.newest.get(PICTURE), self._blackboard.picture_number
+        if not number or (before is not None and before.number == number):
+            return False
+        message = await asyncio.to_thread(self._encoded_picture)
+        if message is None:
+            return False
+        self.newest[PICTURE] = message
+        return True
+
+    def _encoded_picture(self) -> Message | None:
+        picture = self._blackboard.picture()
+        if picture is None:
+            return None
+        return Message(picture.number, picture_message(picture, self._blackboard.service.boot))
+
+    def _encoded_state(self, pages: int) -> str:
+        readings = self._blackboard.read()
+        sightings, obstacles = readings.sightings, readings.obstacles
+        state = State(
+            topic=STATE,
+            now_s=seconds_between(readings.service.boot, readings.now),
+            pages=pages,
+            status=status_from(readings).model_dump(),
+            sightings=sightings,
+            outlines_px=self._outlines.of_robots(sightings.value.robots) if sightings else [],
+            obstacles=obstacles,
+            obstacle_outlines_px=self._outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
+            world=readings.world,
+            views=readings.views,
+        )
+        return msgspec.json.encode(state).decode()
+
+    def _encoded_times(self) -> str:
+        readings = self._blackboard.read()
+        timing = timing_from(self._blackboard.timings(), readings.service.settings.camera.shutter_delay_ms)
+        times = Times(
+            topic=TIMING,
+            now_s=seconds_between(readings.service.boot, readings.now),
+            tasks=[task.model_dump() for task in tasks_from(readings)],
+            timing=timing.model_dump(),
+        )
+        return msgspec.json.encode(times).decode()
+
+
+def picture_message(picture: Picture, boot: Instant) -> bytes:
+    """The binary message of a picture, small enough for a page."""
+    header = PICTURE_HEADER.pack(picture.number & 0xFFFFFFFF, seconds_between(boot, picture.grabbed))
+    return header + encode_jpeg(shrink(picture.pixels, LARGEST_WIDTH_PX), JPEG_QUALITY)

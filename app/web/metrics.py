@@ -1,0 +1,139 @@
+"""What ``/metrics`` tells Prometheus, gathered when it asks.
+
+Histograms have two buckets to an octave, merged from the thirty-two bins of the database; their sums are taken
+from the middles of its bins, which are 3 % wide.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily
+from prometheus_client.metrics_core import Metric
+from prometheus_client.registry import Collector
+
+from app.web.blackboard import Blackboard, Readings, Timings
+from app.web.reports.degradation import degradations
+from app.web.live.connection import Live
+from app.web.reports.readiness import process_of, reasons_not_ready
+from vision_core.clock import seconds_between
+from vision_core.timing.histogram import EDGES_S, PER_OCTAVE, Counts
+from vision_core.rtdb.infos import LAGS, TIMINGS
+from vision_core.types.objects import Team
+
+FIRST_S, LAST_S = 8e-6, 4.2
+STEP = PER_OCTAVE // 2
+BOUNDS = tuple(index for index in range(1, EDGES_S.size, STEP) if FIRST_S < EDGES_S[index] < LAST_S)
+"""Numbers of the edges at which buckets end."""
+MIDDLES_S = (EDGES_S[:-1] + EDGES_S[1:]) / 2.0
+LABELS = ("task", "process")
+TIMES = {
+    "lateness": "From a release to the beginning of the run",
+    "execution": "From the beginning to the end of a run",
+    "response": "From a release to the end of its run",
+    "interval": "Between the beginnings of two runs",
+}
+TALLIES = {
+    "runs": "Runs since the task's start",
+    "missed": "Releases that passed without a run",
+    "overruns": "Runs longer than the budget",
+    "collections": "Collections of garbage, all between two runs",
+}
+LIVING = ("running", "done")
+
+
+class ServiceCollector(Collector):
+    """Reads the blackboard at every collection."""
+
+    def __init__(self, blackboard: Blackboard, live: Live) -> None:
+        self._blackboard = blackboard
+        self._live = live
+
+    def describe(self) -> list[Metric]:
+        """Nothing beforehand: names are told with the values."""
+        return []
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything, now."""
+        readings, timings = self._blackboard.read(), self._blackboard.timings()
+        yield from _service(readings)
+        yield GaugeMetricFamily("pslv_pages", "Pages that are open", value=self._live.pages)
+        yield from _processes(readings)
+        yield from _clients(readings)
+        yield from _tasks(readings)
+        yield from _times(readings, timings)
+        yield _lags(timings)
+
+
+def _service(readings: Readings) -> Iterator[Metric]:
+    service = readings.service
+    built = GaugeMetricFamily("pslv_build_info", "Version of the service", labels=["version"])
+    built.add_metric([service.version], 1)
+    yield built
+    uptime_s = seconds_between(service.boot, readings.now)
+    yield GaugeMetricFamily("pslv_uptime_seconds", "Since the start of the service", value=uptime_s)
+    ready = not reasons_not_ready(readings)
+    yield GaugeMetricFamily("pslv_ready", "1 while robots are served, as /readyz says", value=ready)
+    worse = len(degradations(readings))
+    yield GaugeMetricFamily("pslv_degradations", "Things worse than they should be, as /readyz says", value=worse)
+    images = readings.frame.number if readings.frame else 0
+    yield CounterMetricFamily("pslv_frames", "Images since the start of the service", value=images)
+    delay_s = service.settings.camera.shutter_delay_ms / 1e3
+    yield GaugeMetricFamily("pslv_shutter_delay_seconds", "From the shutter to the grab, as configured", value=delay_s)
+
+
+def _processes(readings: Readings) -> Iterator[Metric]:
+    alive = GaugeMetricFamily("pslv_process_up", "1 while a process runs or has ended well", labels=["process"])
+    restarts = CounterMetricFamily("pslv_process_restarts", "Restarts of a process", labels=["process"])
+    for process in readings.processes.value.processes if readings.processes else ():
+        alive.add_metric([process.name], process.state in LIVING)
+        restarts.add_metric([process.name], process.restarts)
+    yield from (alive, restarts)
+
+
+def _clients(readings: Readings) -> Iterator[Metric]:
+    served = readings.serving.value.clients if readings.serving and readings.serving.valid else ()
+    connected = GaugeMetricFamily("pslv_clients", "Robots' programs that are connected", labels=["team"])
+    for team in Team:
+        connected.add_metric([team], sum(client.team is team for client in served))
+    yield connected
+
+
+def _tasks(readings: Readings) -> Iterator[Metric]:
+    spoken = {name: timed.value for name, timed in readings.tasks.items() if timed.valid}
+    enabled = GaugeMetricFamily("pslv_task_enabled", "0 while a task is switched off", labels=LABELS)
+    for name, told in spoken.items():
+        enabled.add_metric([name, told.process], told.enabled)
+    yield enabled
+    for tally, words in TALLIES.items():
+        family = CounterMetricFamily(f"pslv_task_{tally}", words, labels=LABELS)
+        for name, told in spoken.items():
+            family.add_metric([name, told.process], getattr(told, tally))
+        yield family
+
+
+def _times(readings: Readings, timings: Timings) -> Iterator[Metric]:
+    for kind in TIMINGS:
+        family = HistogramMetricFamily(f"pslv_task_{kind}_seconds", TIMES[kind], labels=LABELS)
+        for name, timed in timings.tasks.items():
+            if timed.valid:
+                _add(family, (name, process_of(name, readings)), timed.value[kind])
+        yield family
+
+
+def _lags(timings: Timings) -> Metric:
+    family = HistogramMetricFamily(
+        "pslv_lag_seconds",
+        "Lags A (server: grab to the last datagram), B (network) and C (client), these two as clients report them",
+        labels=["part"],
+    )
+    counts: Mapping[str, Counts] = timings.lags.value if timings.lags and timings.lags.valid else {}
+    for part in LAGS:
+        if part in counts and counts[part].any():
+            _add(family, (part,), counts[part])
+    return family
+
+
+def _add(family: HistogramMetricFamily, labels: tuple[str, ...], counts: Counts) -> None:
+    below = np.concatenate([[0], np.cumsum(counts)])
+    buckets = [(str(float(EDGES_S[index])), float(below[index])) for index in BOUNDS]
+    family.add_metric(labels, [*buckets, ("+Inf", float(below[-1]))], sum_value=float(counts @ MIDDLES_S))

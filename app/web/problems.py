@@ -1,0 +1,80 @@
+"""Errors of the API as problem details (RFC 9457): ``application/problem+json``."""
+
+import json
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from app.web.reports.base import Report
+from vision_core.errors import PslvError
+
+MEDIA_TYPE = "application/problem+json"
+LONGEST_FOUND = 200
+
+
+class Problem(Report):
+    """What went wrong with a request."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    instance: str
+    """Path of the request."""
+    asked: str | None = None
+    """Of a request that cannot be obeyed: what it asked for, as the next two."""
+    found: str | None = None
+    accepted: str | None = None
+
+
+class RequestRefused(HTTPException):
+    """A request that is understood and cannot be obeyed."""
+
+    def __init__(self, status: HTTPStatus, asked: str, *, found: str, accepted: str) -> None:
+        super().__init__(status, str(PslvError(asked, found=found, accepted=accepted)))
+        self.told = {"asked": asked, "found": found, "accepted": accepted}
+
+
+def problem_response(request: Request, status: int, detail: str, told: Mapping[str, str] | None = None) -> JSONResponse:
+    """A problem as the answer to a request; told: what was asked, found and accepted."""
+    title = HTTPStatus(status).phrase
+    problem = Problem(title=title, status=status, detail=detail, instance=request.url.path, **(told or {}))
+    return JSONResponse(problem.model_dump(exclude_none=True), status, media_type=MEDIA_TYPE)
+
+
+def install_problems(app: FastAPI) -> None:
+    """Have every error answered as a problem."""
+
+    async def refused(request: Request, error: Exception) -> JSONResponse:
+        assert isinstance(error, HTTPException)
+        told = error.told if isinstance(error, RequestRefused) else None
+        return problem_response(request, error.status_code, error.detail, told)
+
+    async def invalid(request: Request, error: Exception) -> JSONResponse:
+        assert isinstance(error, RequestValidationError)
+        told = _first(error.errors())
+        return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, str(PslvError(**told)), told)
+
+    async def failed(request: Request, _error: Exception) -> JSONResponse:
+        return problem_response(request, HTTPStatus.INTERNAL_SERVER_ERROR, "a bug; the log of the service tells more")
+
+    app.add_exception_handler(HTTPException, refused)
+    app.add_exception_handler(RequestValidationError, invalid)
+    app.add_exception_handler(Exception, failed)
+
+
+def _first(errors: Sequence[Any]) -> dict[str, str]:
+    """The first error of a request, in our words."""
+    error = errors[0]
+    if error["type"] == "json_invalid":
+        return {"asked": "the request's body", "found": str(error["ctx"]["error"]), "accepted": "JSON"}
+    return {
+        "asked": ".".join(str(part) for part in error["loc"]),
+        "found": json.dumps(error.get("input"), default=str)[:LONGEST_FOUND],
+        "accepted": error["msg"].removeprefix("Input should be "),
+    }

@@ -1,0 +1,129 @@
+"""What ``/api/v1/timing`` and the topic ``timing`` tell: histograms of every task's times, and of the lags.
+
+Counts begin with the process that counts and never go down while it lives: the difference of two answers is the
+histogram of the time in between. Quantiles are of all that was counted.
+"""
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from app.web.blackboard import Timings
+from app.web.reports.base import Report
+from vision_core.timing.histogram import EDGES_S, Counts, quantile_s
+from vision_core.rtdb.items import Timed
+
+MS_PER_S = 1e3
+DIGITS = 6
+"""Of milliseconds: nanoseconds."""
+UPPER_MS = np.round(EDGES_S[1:] * MS_PER_S, DIGITS)
+
+
+class Histogram(Report):
+    """Durations."""
+
+    unit: Literal["ms"] = "ms"
+    count: int
+    p50: float | None
+    """Half of all durations are shorter; null for none."""
+    p90: float | None
+    p99: float | None
+    p99_9: float | None
+    max: float | None
+    """End of the bin that holds the longest; bins are 3 % wide."""
+    bins: list[tuple[float, int]]
+    """Where a bin ends [ms], and how many durations it holds; those that hold none are left out."""
+
+
+class TaskTiming(Report):
+    """The times of one task since its start."""
+
+    name: str
+    age_s: float
+    """Since it last wrote them."""
+    valid: bool
+    """It has written them lately enough to be believed."""
+    lateness: Histogram
+    """From a release to the beginning of the run."""
+    execution: Histogram
+    """From the beginning to the end of the run."""
+    response: Histogram
+    """From a release to the end of its run."""
+    interval: Histogram
+    """Between the beginnings of two runs."""
+
+
+class LagTiming(Report):
+    """The three parts of the lag between what happens and what a robot's program makes of it."""
+
+    server: Histogram | None
+    """A: from the grab of an image to the last client's datagram; null before the first."""
+    network: Histogram | None
+    """B: from the server to the client, as far as clients report it; null without reports."""
+    client: Histogram | None
+    """C: until the client's program has used it, as far as clients report it; null without reports."""
+    shutter_delay_ms: float
+    """From the shutter to the grab, as configured; it comes before everything else."""
+    age_s: float | None
+    """Since they were last written; null: never."""
+    valid: bool
+
+
+class Timing(Report):
+    """All times at one instant."""
+
+    tasks: list[TaskTiming]
+    """Tasks that have run, in the table's order."""
+    lags: LagTiming
+
+
+def timing_from(timings: Timings, shutter_delay_ms: float) -> Timing:
+    """The report of what was counted."""
+    return Timing(
+        tasks=[_task(name, timed) for name, timed in timings.tasks.items()],
+        lags=_lags(timings.lags, shutter_delay_ms),
+    )
+
+
+def _task(name: str, timed: Timed[Mapping[str, Counts]]) -> TaskTiming:
+    return TaskTiming(
+        name=name,
+        age_s=timed.age_s,
+        valid=timed.valid,
+        lateness=histogram_from(timed.value["lateness"]),
+        execution=histogram_from(timed.value["execution"]),
+        response=histogram_from(timed.value["response"]),
+        interval=histogram_from(timed.value["interval"]),
+    )
+
+
+def _lags(timed: Timed[Mapping[str, Counts]] | None, shutter_delay_ms: float) -> LagTiming:
+    told = {name: histogram_from(counts) for name, counts in timed.value.items() if counts.any()} if timed else {}
+    return LagTiming(
+        server=told.get("server"),
+        network=told.get("network"),
+        client=told.get("client"),
+        shutter_delay_ms=shutter_delay_ms,
+        age_s=timed.age_s if timed else None,
+        valid=timed is not None and timed.valid,
+    )
+
+
+def histogram_from(counts: Counts) -> Histogram:
+    """The report of one histogram; counts of shape (n,)."""
+    filled = np.flatnonzero(counts)
+    p50, p90, p99, p99_9 = (_ms(quantile_s(counts, share)) for share in (0.5, 0.9, 0.99, 0.999))
+    return Histogram(
+        count=int(counts.sum()),
+        p50=p50,
+        p90=p90,
+        p99=p99,
+        p99_9=p99_9,
+        max=float(UPPER_MS[filled[-1]]) if filled.size else None,
+        bins=list(zip(UPPER_MS[filled].tolist(), counts[filled].tolist(), strict=True)),
+    )
+
+
+def _ms(duration_s: float | None) -> float | None:
+    return None if duration_s is None else round(duration_s * MS_PER_S, DIGITS)

@@ -1,0 +1,45 @@
+"""``/api/v1``: what programs ask for."""
+
+from fastapi import APIRouter, HTTPException, Response
+
+from app.web.blackboard import Blackboard
+from app.web.reports.field import Field, field_from
+from app.web.problems import MEDIA_TYPE, Problem
+from app.web.reports.status import Status, status_from
+from vision_core.native.opencv import encode_jpeg
+
+SNAPSHOT_QUALITY = 92
+
+
+def api_routes(blackboard: Blackboard) -> APIRouter:
+    """Status, field and pictures."""
+    router = APIRouter(prefix="/api/v1", tags=["service"])
+    field = field_from(blackboard.service)
+
+    @router.get("/status")
+    async def status() -> Status:
+        """The whole service at this instant: readiness, cameras, clients, lags, processes."""
+        return status_from(blackboard.read())
+
+    @router.get("/field")
+    async def field_() -> Field:
+        """The field's geometry; it stays the same while the service runs."""
+        return field
+
+    @router.get(
+        "/snapshot.jpg",
+        response_class=Response,
+        responses={
+            200: {"content": {"image/jpeg": {}}, "description": "The newest picture in full size"},
+            503: {"content": {MEDIA_TYPE: {"schema": Problem.model_json_schema()}}, "description": "No image yet"},
+        },
+    )
+    def snapshot() -> Response:
+        """The newest picture in full size; ``X-Frame-Number`` tells which frame it is."""
+        picture = blackboard.picture()
+        if picture is None:
+            raise HTTPException(503, "no image yet")
+        headers = {"X-Frame-Number": str(picture.number)}
+        return Response(encode_jpeg(picture.pixels, SNAPSHOT_QUALITY), media_type="image/jpeg", headers=headers)
+
+    return router

@@ -1,0 +1,38 @@
+"""``/api/v1/timing`` for people and pages, ``/metrics`` for Prometheus: the same histograms.
+
+Writing them for Prometheus takes tens of milliseconds: in a thread, since pages are served meanwhile.
+"""
+
+from fastapi import APIRouter, Request, Response
+from prometheus_client.exposition import choose_encoder
+from prometheus_client.registry import CollectorRegistry
+
+from app.web.blackboard import Blackboard
+from app.web.live.connection import Live
+from app.web.metrics import ServiceCollector
+from app.web.reports.timing import Timing, timing_from
+
+
+def timing_routes(blackboard: Blackboard, live: Live) -> APIRouter:
+    """Histograms of every task's times and of the lags."""
+    router = APIRouter(tags=["timing"])
+    registry = CollectorRegistry()
+    registry.register(ServiceCollector(blackboard, live))
+    shutter_delay_ms = blackboard.service.settings.camera.shutter_delay_ms
+
+    @router.get("/api/v1/timing")
+    async def timing() -> Timing:
+        """Histograms and quantiles since the start: of every task's times, and of the lags A, B and C."""
+        return timing_from(blackboard.timings(), shutter_delay_ms)
+
+    @router.get(
+        "/metrics",
+        response_class=Response,
+        responses={200: {"content": {"text/plain": {}}, "description": "Prometheus' text format, or OpenMetrics"}},
+    )
+    def metrics(request: Request) -> Response:
+        """Everything that can be counted, for Prometheus; tasks that are silent are left out."""
+        encode, kind = choose_encoder(request.headers.get("accept", ""))
+        return Response(encode(registry), headers={"content-type": kind})
+
+    return router

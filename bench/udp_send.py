@@ -1,0 +1,104 @@
+"""A frame's datagrams to 22 and to 200 clients on loopback: the compiled loop, a loop in C, and one in Python.
+
+Every client has a socket of its own, connected on our side, as sessions have. The clients' sockets are emptied between
+two measurements, not during one.
+"""
+
+import contextlib
+import ctypes
+import random
+import socket
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from bench.runner import Row
+from bench.baselines.build import load_twin
+from vision_core.clock import Instant
+from vision_core.net.batch import Batch, Lines
+from vision_core.net.udp import SessionSocket
+
+CLIENTS = (22, 200)
+ROUNDS = 400
+DATAGRAM = b"(see 20306.148 ((edge) " + b"w2c" * 360 + b") ((ball) 61 121 3))"
+GOAL_RATIO = 1.05
+US_PER_S = 1e6
+
+
+def run() -> list[Row]:
+    """Rows for every number of clients."""
+    rows: list[Row] = []
+    for count in CLIENTS:
+        with contextlib.ExitStack() as stack:
+            rows += _measure(count, stack)
+    return rows
+
+
+def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
+    server = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+    server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    server.bind(("127.0.0.1", 0))
+    clients, lines = [], []
+    for _ in range(count):
+        client = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        client.bind(("127.0.0.1", 0))
+        client.setblocking(False)
+        clients.append(client)
+        line = SessionSocket(server, "127.0.0.1", (*client.getsockname(), 0))
+        stack.callback(line.close)
+        lines.append(line)
+    batch = Batch.of([DATAGRAM] * count)
+    table = Lines(Instant(0), random.Random(1))
+    table.resize(count)["descriptor"] = [line.fileno() for line in lines]
+    ways: dict[str, Callable[[], object]] = {"compiled": lambda: table.send(Instant(1), batch)}
+    twin, word = _twin(table, batch)
+    if twin is not None:
+        ways["C"] = twin
+    ways["Python"] = lambda: [line.send(DATAGRAM) for line in lines]
+    times = _in_turns(list(ways.values()), clients)
+    took = dict(zip(ways, times, strict=True))
+    ratio = took["compiled"] / took["C"] if "C" in took else None
+    name = f"send to {count} clients"
+    return [
+        {
+            "name": f"{name}, twin in C" if ratio is not None else f"{name} ({word})",
+            "value": took["compiled"],
+            "unit": "us",
+            "twin": took.get("C"),
+            "ratio": ratio,
+            "goal": f"<= {GOAL_RATIO}x",
+            "met": None if ratio is None else ratio <= GOAL_RATIO,
+        },
+        {"name": f"{name}, against a loop in Python", "value": took["compiled"], "unit": "us",
+         "twin": took["Python"], "ratio": took["compiled"] / took["Python"]},
+    ]  # fmt: skip
+
+
+def _twin(table: Lines, batch: Batch) -> tuple[Callable[[], object] | None, str]:
+    library, word = load_twin("fanout")
+    if library is None:
+        return None, word
+    count = len(table.rows)
+    descriptors = np.ascontiguousarray(table.rows["descriptor"])
+    order = np.random.default_rng(1).permutation(count).astype(np.int64)
+    results = np.zeros(count, dtype=np.int64)
+    arrays = (descriptors, order, batch.text, batch.starts, batch.lengths, results)
+    places = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+    call = (*places[:2], ctypes.c_int64(count), *places[2:])
+    library.send_in_order.restype = ctypes.c_int64
+    return lambda: (library.send_in_order(*call), arrays)[0], word
+
+
+def _in_turns(ways: list[Callable[[], object]], clients: list[socket.socket]) -> list[float]:
+    """Median duration of each way [us]; who goes first changes."""
+    seconds: list[list[float]] = [[] for _ in ways]
+    for number in range(ROUNDS):
+        for turn in range(len(ways)):
+            index = (number + turn) % len(ways)
+            began = time.perf_counter()
+            ways[index]()
+            seconds[index].append(time.perf_counter() - began)
+            for client in clients:
+                assert client.recv(2048) == DATAGRAM
+    return [float(np.median(took[len(took) // 10 :])) * US_PER_S for took in seconds]

@@ -1,0 +1,79 @@
+"""``pslv colors``: what it prints can be pasted, and what it cannot do it refuses by name."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import app
+from app.commands.colors import color_at, places_of
+from vision_core.errors import PslvError
+from vision_core.native.opencv import write_picture
+from vision_core.venues.loader import load_settings
+
+
+@pytest.fixture
+def picture(tmp_path: Path) -> Path:
+    pixels = np.zeros((480, 640, 3), dtype=np.uint8)
+    pixels[:] = (60, 110, 60)
+    pixels[100:120, 200:220] = (192, 80, 32)
+    write_picture(tmp_path / "field.png", pixels)
+    return tmp_path / "field.png"
+
+
+def run(*words: str) -> tuple[str, BaseException | None]:
+    result = CliRunner().invoke(app, ["colors", *words])
+    return result.stdout, result.exception
+
+
+def test_samples_can_be_pasted_into_a_venue(picture: Path, tmp_path: Path) -> None:
+    out, error = run("sample", str(picture), "--class", "paint", "--at", "210,110,211,111", "--at", "20,20")
+    assert error is None
+    assert tomllib.loads(out) == {"colors": {"samples": {"paint": ["#2050c0", "#3c6e3c"]}}}
+    assert out.count("# ") == 3
+    venue = tmp_path / "venue.toml"
+    venue.write_text(out)
+    assert load_settings(str(venue)).colors.samples == {"paint": ("#2050c0", "#3c6e3c")}
+
+
+def test_show_says_the_class_and_the_misses(picture: Path) -> None:
+    out, error = run("show", str(picture), "--at", "210,110,20,20")
+    assert error is None
+    assert "210,110: blue | bgr 192 80 32 #2050c0 | hsv: hue_deg 222" in out
+    assert "blue: claims it" in out
+    assert "20,20: no class" in out
+    assert "orange: no: hue_deg 120 misses 4..34 by 86" in out
+
+
+def test_light_prints_the_line_of_the_settings(picture: Path) -> None:
+    out, error = run("light", str(picture))
+    assert error is None
+    assert tomllib.loads(out)["reference_bgr"] == [60.0, 110.0, 60.0]
+    reference = load_settings().colors.light.reference_bgr
+    gains = " ".join(f"{wanted / found:.2f}" for wanted, found in zip(reference, (60.0, 110.0, 60.0), strict=True))
+    assert f"gains {gains}" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--class", "paint", "--at", "640,10"], "--at 640,10; found: a point outside of the picture"),
+        (["--class", "paint", "--at", "10,-1"], "--at 10,-1; found: a point outside of the picture"),
+        (["--class", "paint", "--at", "10"], "--at 10; found: no pairs"),
+        (["--class", "paint", "--at", "a,b"], "--at a,b; found: no pairs"),
+        (["--class", "blue", "--at", "10,10"], "--class blue; found: a class by ranges"),
+    ],
+)
+def test_what_cannot_be_sampled_is_refused_by_name(picture: Path, words: list[str], said: str) -> None:
+    out, error = run("sample", str(picture), *words)
+    assert isinstance(error, PslvError)
+    assert said in str(error)
+    assert out == ""
+
+
+def test_a_square_at_the_edge_is_what_of_it_lies_inside() -> None:
+    pixels = np.arange(4 * 4 * 3, dtype=np.uint8).reshape(4, 4, 3)
+    assert color_at(pixels, (0, 0), 1, Path("x")).tolist() == np.median(pixels[:2, :2].reshape(-1, 3), axis=0).tolist()
+    assert places_of(["1,2,3,4", "5,6"]) == [(1, 2), (3, 4), (5, 6)]

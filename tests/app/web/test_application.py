@@ -1,0 +1,216 @@
+"""The HTTP side, over a real socket."""
+
+from collections.abc import Iterator
+
+import httpx
+import numpy as np
+import pytest
+
+from app.web.blackboard import Blackboard
+from app.web.problems import MEDIA_TYPE
+from app.web.reports.status import status_from
+from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
+from tests.app.fake_tasks import Condition
+from vision_core.clock import after
+from vision_core.rtdb import records
+from vision_core.types.objects import Diagnosis
+
+READ = (
+    "/healthz",
+    "/readyz",
+    "/metrics",
+    "/api/v1/status",
+    "/api/v1/field",
+    "/api/v1/snapshot.jpg",
+    "/api/v1/tasks",
+    "/api/v1/timing",
+)
+
+
+@pytest.fixture(scope="module")
+def service() -> Iterator[FakeService]:
+    service = FakeService()
+    service.start()
+    yield service
+    service.stop()
+
+
+@pytest.fixture(scope="module")
+def http(service: FakeService) -> Iterator[httpx.Client]:
+    server = PageServer(service)
+    server.start()
+    with httpx.Client(base_url=f"http://{server.address}") as client:
+        wait_for(lambda: client.get("/readyz").status_code == 200)
+        yield client
+    server.stop()
+
+
+def test_healthz(http: httpx.Client) -> None:
+    response = http.get("/healthz")
+    assert (response.status_code, response.json()) == (200, {"status": "ok"})
+
+
+def test_ready(http: httpx.Client) -> None:
+    assert http.get("/readyz").json() == {"ready": True, "reasons": [], "degraded": []}
+
+
+def test_not_ready_while_compiling() -> None:
+    service = FakeService(STATES["compiling"])
+    service.write_processes()
+    server = PageServer(service)
+    server.start()
+    with httpx.Client(base_url=f"http://{server.address}") as client:
+        response = client.get("/readyz")
+        status = client.get("/api/v1/status").json()
+        snapshot = client.get("/api/v1/snapshot.jpg")
+    server.stop()
+    assert response.status_code == 503
+    assert response.json() == {"ready": False, "reasons": ["compiling: 3 of 7: label pixels"], "degraded": []}
+    assert status["ready"] is False
+    assert status["source"] is None
+    assert status["cameras"][0]["age_s"] is status["cameras"][0]["lines"] is None
+    assert status["clients"] == []
+    assert snapshot.status_code == 503
+    assert snapshot.headers["content-type"] == MEDIA_TYPE
+    assert snapshot.json()["detail"] == "no image yet"
+
+
+def test_status_tells_everything(http: httpx.Client, service: FakeService) -> None:
+    status = http.get("/api/v1/status").json()
+    assert status["ready"] is True
+    assert status["reasons"] == []
+    assert status["source"] == {"uri": "synthetic", "description": "simulated ceiling camera", "repeats": False}
+    (camera,) = status["cameras"]
+    assert (camera["name"], camera["width_px"], camera["height_px"]) == ("main", 640, 480)
+    assert (camera["robots"], camera["balls"], camera["obstacles"], camera["measured_rate_hz"]) == (10, 1, 2, 30.0)
+    assert 0.0 <= camera["age_s"] < 5.0
+    watched = {name: camera[name] for name in ("boundary", "lines", "exposure", "colors")}
+    assert all(0.0 <= finding.pop("age_s") < 5.0 for finding in watched.values())
+    assert watched == {
+        "boundary": {"found": 0.94, "error_px": 0.3, "off_px": 0.6},
+        "lines": {"known": 12, "found": 11, "samples": 0.97, "residual_px": 0.4, "outside": 0.0},
+        "exposure": {"brightest": 231.0, "median_luma": 88.0, "white": 0.001, "reasons": []},
+        "colors": {"gain_bgr": [1.02, 1.0, 0.97], "reason": ""},
+    }
+    assert len(status["clients"]) == 10
+    assert status["clients"][2]["dropped"] == 3
+    assert (status["clients"][0]["network_ms"], status["clients"][1]["network_ms"]) == (0.1, None)
+    assert status["lags"] == {
+        "server": {"median_ms": 12.4, "max_ms": 19.8},
+        "network": {"median_ms": pytest.approx(0.15), "max_ms": pytest.approx(0.19)},
+        "client": {"median_ms": 2.0, "max_ms": 2.0},
+        "shutter_delay_ms": 0.0,
+    }
+    assert (status["selftest"]["grade"], status["selftest"]["policy"]) == ("A", "FIFO 50")
+    states = {process["name"]: process["state"] for process in status["processes"]}
+    running = ("capture", "source", "perceive", "serve", "obstacles", "watch", "diagnose", "web", "spare-1", "spare-2")
+    assert states == {"compile": "done", **dict.fromkeys(running, "running")}
+
+
+def test_lags_that_nobody_reports_are_null() -> None:
+    own = FakeService(Scene(condition=Condition(reporting=False)))
+    own.write_frame()
+    lags = status_from(Blackboard(own.store).read()).lags
+    assert lags.server is not None
+    assert lags.network is lags.client is None
+
+
+def test_a_degraded_service_is_ready_and_says_so() -> None:
+    own = FakeService(STATES["degraded"])
+    own.write_processes()
+    own.write_tasks()
+    own.write_frame()
+    own.write_frame()  # the first one takes its time
+    status = status_from(Blackboard(own.store).read())
+    assert status.ready
+    assert [sentence.partition(":")[0] for sentence in status.degraded] == [
+        "capture, perceive, serve, obstacles",
+        "capture, perceive, serve, obstacles",
+        "this machine keeps time badly",
+        "process watch is disabled, and with it boundary, lines, exposure, colors",
+    ]
+
+
+def test_reasons_are_told_for_five_seconds() -> None:
+    own = FakeService(STATES["explained"])
+    own.write_frame()
+    blackboard = Blackboard(own.store)
+    assert status_from(blackboard.read()).cameras[0].reasons == list(own.scene.reasons)
+    diagnosis = records.diagnosis("main")
+    now = own.clock.now()
+    for age_s, told in ((4.0, ["one"]), (5.1, [])):
+        grabbed = after(now, -age_s)
+        own.put(diagnosis, Diagnosis("main", 1, grabbed, ("one",)), grabbed)
+        assert status_from(blackboard.read()).cameras[0].reasons == told
+
+
+def test_snapshot_is_the_newest_picture_in_full_size(http: httpx.Client) -> None:
+    response = http.get("/api/v1/snapshot.jpg")
+    assert response.headers["content-type"] == "image/jpeg"
+    assert response.content.startswith(b"\xff\xd8")
+    size = _jpeg_size(response.content)
+    assert size == (640, 480)
+    assert int(response.headers["x-frame-number"]) > 0
+
+
+def _jpeg_size(data: bytes) -> tuple[int, int]:
+    """From the start-of-frame segment."""
+    at = data.index(b"\xff\xc0")
+    height, width = np.frombuffer(data[at + 5 : at + 9], dtype=">u2")
+    return int(width), int(height)
+
+
+def test_unknown_paths_are_problems(http: httpx.Client) -> None:
+    for path in (
+        "/nothing",
+        "/web/nothing.js",
+        "/api/v1/nothing",
+        "/web/../app/server.py",
+        "/web/%2e%2e/pyproject.toml",
+    ):
+        response = http.get(path)
+        assert response.status_code == 404, path
+        assert response.headers["content-type"] == MEDIA_TYPE
+        assert response.json()["status"] == 404
+    assert http.post("/api/v1/status").json()["title"] == "Method Not Allowed"
+
+
+def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
+    for path in ("/", "/docs", "/web/style.css", "/web/app.js", "/web/docs.js", "/web/favicon.svg"):
+        response = http.get(path)
+        assert response.status_code == 200, path
+        assert "default-src 'self'" in response.headers["content-security-policy"]
+        outside = response.text.replace("http://www.w3.org/2000/svg", "")
+        assert "//cdn" not in outside
+        assert "http://" not in outside
+        assert "https://" not in outside
+
+
+def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
+    api = http.get("/openapi.json").json()
+    assert {path: set(methods) for path, methods in api["paths"].items()} == {
+        **{path: {"get"} for path in READ},
+        "/api/v1/tasks/{name}": {"patch", "delete"},
+    }
+    for path, methods in api["paths"].items():
+        assert all(operation["description"] for operation in methods.values()), path
+    camera = api["components"]["schemas"]["Camera"]["properties"]
+    assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected;")
+
+
+def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
+    field = http.get("/api/v1/field").json()
+    assert field["kinds"]["robot_yellow"] == 48
+    assert field["numbers"] == 5
+    assert field["robots"]["blue"] == field["robots"]["yellow"] == {"outline": "circle", "radius_m": 0.09}
+    assert {segment["kind"] for segment in field["segments"]} == {1, 2, 3}
+
+
+def test_heartbeat(http: httpx.Client, service: FakeService) -> None:
+    beats, reader = service.store.reader("beat/web"), records.task("web").reader(service.store)
+    first, told = beats.sequence, reader.sequence
+    wait_for(lambda: reader.sequence >= told + 2)
+    assert beats.sequence >= first + 2 * (reader.sequence - told), "it beats more often than it tells"
+    info = reader.value(service.clock.now())
+    assert info.note == "0 pages open"
+    assert (info.process, info.trigger, info.policy, info.refused, info.missed) == ("web", "none", "ordinary", "", 0)

@@ -1,0 +1,95 @@
+"""A venue broken in many ways: what is said names what is wrong."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vision_core.capture.source import open_source
+from vision_core.clock import Instant, ManualClock
+from vision_core.geometry import Bytes
+from vision_core.native.opencv import shrink
+from vision_core.settings.schema import Settings
+from vision_core.venues.loader import load_settings
+from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.pipeline.perception import Perception
+from vision_core.types.image import ImageFrame
+
+pytestmark = pytest.mark.slow
+
+SETTINGS = load_settings()
+CLASSES: dict[str, Any] = {
+    "orange": [{"hue_deg": [4.0, 34.0], "saturation": [0.55, 1.0], "value": [0.25, 1.0]}],
+    "yellow": [{"hue_deg": [42.0, 68.0], "saturation": [0.45, 1.0], "value": [0.36, 1.0]}],
+    "blue": [{"hue_deg": [195.0, 240.0], "saturation": [0.50, 1.0], "value": [0.22, 1.0]}],
+    "pink": [{"hue_deg": [300.0, 350.0], "saturation": [0.30, 1.0], "value": [0.36, 1.0]}],
+    "green": [{"hue_deg": [95.0, 165.0], "saturation": [0.40, 1.0], "value": [0.56, 1.0]}],
+}
+
+
+@pytest.fixture(scope="module")
+def image() -> Bytes:
+    """A picture of a match in which ball and robots are seen."""
+    pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
+    source = open_source(SETTINGS, ManualClock(), paced=False)
+    for _ in range(10):
+        source.grab(pixels)
+    source.close()
+    return pixels
+
+
+def said(image: Bytes, settings: Settings = SETTINGS) -> tuple[str, ...]:
+    perception = Perception(settings)
+    seen = perception.perceive(ImageFrame("main", 1, Instant(0), image), ManualClock()).record()
+    return reasons_of(perception, seen)
+
+
+def changed(**options: Any) -> Settings:
+    return load_settings(options={key.replace("__", "."): value for key, value in options.items()})
+
+
+def test_nothing_is_said_about_a_good_picture(image: Bytes) -> None:
+    assert said(image) == ()
+
+
+BROKEN_VENUES: dict[str, tuple[dict[str, Any], str]] = {
+    "camera 30 % too low": ({"camera__pinhole__position_m": [0.06, -0.04, 2.6]}, "camera height"),
+    "camera 40 % too high": ({"camera__pinhole__position_m": [0.06, -0.04, 5.4]}, "camera height"),
+    "another field": ({"field_preset": "ssl-division-b"}, "field 'ssl-division-b'"),
+    "a field a little too small": ({"field__length_m": 2.3, "field__width_m": 1.9}, "painted lines"),
+    "yellow and pink swapped": (
+        {"colors__classes": CLASSES | {"yellow": CLASSES["pink"], "pink": CLASSES["yellow"]}},
+        "yellow",
+    ),
+    "a class that claims others' colors": (
+        {"colors__classes": {"orange": [{"value": [0.3, 1.0]}]} | {k: v for k, v in CLASSES.items() if k != "orange"}},
+        "claim",
+    ),
+    "markers of another league": (
+        {"robots__pattern": "mirosot-tile", "colors__classes": CLASSES | {"pale": []}},
+        "ssl-standard",
+    ),
+    "a ball three times too large": ({"ball__radius_m": 0.065}, "ball"),
+    "dots must be larger than they are": ({"robots__min_area": 1.6}, "area"),
+    "a camera that looks elsewhere": ({"camera__pinhole__position_m": [6.0, 0.0, 3.75]}, "nothing of the field"),
+}
+
+
+@pytest.mark.parametrize(("options", "named"), BROKEN_VENUES.values(), ids=list(BROKEN_VENUES))
+def test_a_broken_venue_is_named(image: Bytes, options: dict[str, Any], named: str) -> None:
+    reasons = said(image, changed(**options))
+    print(*reasons, sep="\n")
+    assert any(named in reason for reason in reasons), reasons
+
+
+def test_bad_pictures_are_named(image: Bytes) -> None:
+    black = np.random.default_rng(1).integers(0, 8, image.shape, dtype=np.uint8)
+    (reason,) = said(black)
+    assert "black" in reason
+    (reason,) = said((image * 0.25).astype(np.uint8))
+    assert "too dark" in reason
+    (reason,) = said(np.clip(image.astype(np.int64) * 4, 0, 255).astype(np.uint8))
+    assert "over-exposed" in reason
+    coarse = shrink(image, SETTINGS.camera.width_px // 16)
+    blurred = np.repeat(np.repeat(coarse, 16, axis=0), 16, axis=1)
+    assert any("robot" in reason for reason in said(blurred))

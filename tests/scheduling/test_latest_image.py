@@ -1,0 +1,50 @@
+"""A tracker's own copy of the newest image, and what is said when the camera is faster than the copy."""
+
+from types import SimpleNamespace
+from typing import Any
+
+from vision_core.clock import Instant, ManualClock
+from vision_core.rtdb.slots import READ_TRIES, Glance
+from vision_core.scheduling.releases import Release
+from vision_core.venues.loader import load_settings
+from vision_core.scheduling.latest_image import Images
+
+SETTINGS = load_settings()
+CAMERA = SETTINGS.camera
+PAYLOAD = memoryview(bytes([7]) * (CAMERA.height_px * CAMERA.width_px * 3))
+
+
+class Ring:
+    """A ring whose writer overtakes a number of glances."""
+
+    def __init__(self, overtakes: int) -> None:
+        self.left = overtakes
+
+    def glance(self) -> Glance:
+        return Glance(PAYLOAD, 5, Instant(0), Instant(0))
+
+    def holds(self, _glance: Glance) -> bool:
+        self.left -= 1
+        return self.left < 0
+
+
+def images_from(overtakes: int) -> tuple[Images, Any]:
+    handle: Any = SimpleNamespace(settings=SETTINGS, clock=ManualClock(), note="", slots=lambda _name: Ring(overtakes))
+    return Images(handle), handle
+
+
+def test_a_copy_that_was_overtaken_is_made_again() -> None:
+    images, handle = images_from(READ_TRIES - 1)
+    release = Release(Instant(0), Instant(0))
+    image = images.newest(release)
+    assert image is not None
+    assert (image.number, int(image.pixels.min()), release.missed) == (5, 7, 0)
+    assert handle.note == "the camera overtook 2 copies of its images"
+
+
+def test_a_release_whose_copies_were_all_overtaken_is_missed() -> None:
+    images, handle = images_from(READ_TRIES)
+    release = Release(Instant(0), Instant(0))
+    assert images.newest(release) is None
+    assert release.missed == 1
+    assert handle.note == "the camera overtook 3 copies of its images"

@@ -1,0 +1,45 @@
+"""What would kill a task again and again is one line before the start."""
+
+import io
+from typing import Any
+
+import msgspec
+import pytest
+
+from vision_core.errors import SettingsError
+from vision_core.venues.loader import load_settings
+from vision_core.startup.preflight import check_tasks, main
+
+WRONG: list[tuple[dict[str, Any], str]] = [
+    ({"protocol.letters.wall": "x"}, "'x' means wall too"),
+    ({"protocol.letters.first_blue": "R"}, "'a' means first_blue too"),
+    ({"admission.subnets": ["here"]}, "admission.subnets 'here'"),
+    ({"source.uri": "file:nowhere.jpg"}, "nowhere.jpg"),
+]
+
+
+def exit_status(options: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> int:
+    written = msgspec.json.encode(load_settings(options=options))
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(written)))
+    return main()
+
+
+@pytest.mark.parametrize(("options", "named"), WRONG, ids=[next(iter(options)) for options, _ in WRONG])
+def test_one_line_names_what_is_wrong(
+    options: dict[str, Any], named: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert exit_status(options, monkeypatch) == 2
+    said = capsys.readouterr().err
+    assert named in said
+    assert said.count("\n") == 1
+
+
+def test_the_defaults_are_in_order(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_status({}, monkeypatch) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_palette_without_the_markers_colors_is_refused() -> None:
+    settings = load_settings(options={"colors.classes": {"orange": [{"hue_deg": [4.0, 34.0]}]}})
+    with pytest.raises(SettingsError, match="colors; found"):
+        check_tasks(settings)

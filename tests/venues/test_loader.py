@@ -1,0 +1,165 @@
+"""One loader: every shipped file loads, every key is declared once, every mistake is named."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from vision_core.errors import SettingsError
+from vision_core.settings.schema import Settings
+from vision_core.venues.loader import config_folder, find_file, load_settings
+
+DEFAULT = tomllib.loads((config_folder() / "default.toml").read_text())
+
+
+@pytest.mark.parametrize("path", sorted((config_folder() / "venues").glob("*.toml")), ids=lambda path: path.stem)
+def test_every_shipped_venue_loads(path: Path) -> None:
+    load_settings(venue=path.stem)
+
+
+@pytest.mark.parametrize("path", sorted((config_folder() / "fields").glob("*.toml")), ids=lambda path: path.stem)
+def test_every_shipped_field_loads(path: Path) -> None:
+    settings = load_settings(options={"field_preset": path.stem})
+    assert settings.field.name == path.stem
+
+
+def test_the_minimal_file_loads() -> None:
+    assert load_settings(venue=str(config_folder() / "minimal.toml")).source.uri == "camera:0"
+
+
+def keys_of(table: dict[str, Any], path: str = "") -> set[str]:
+    keys = set()
+    for key, value in table.items():
+        here = f"{path}{key}"
+        keys |= keys_of(value, f"{here}.") if isinstance(value, dict) and here != "colors.classes" else {here}
+    return keys
+
+
+def test_the_default_file_teaches_every_key() -> None:
+    """Each key that a struct declares stands in default.toml or in the field preset, and none is optional there."""
+    loaded: dict[str, Any] = msgspec.to_builtins(load_settings())
+    loaded["camera"].pop("homography")  # the alternative to the pinhole stands there as a comment
+    for team in ("blue", "yellow"):  # a team's own robots: a comment too
+        loaded["robots"].pop(team)
+    for name, task in loaded["tasks"].items():  # of a task only its times stand there; the rest may be left out
+        loaded["tasks"][name] = {key: value for key, value in task.items() if key in DEFAULT["tasks"][name]}
+        assert {"priority", "period_ms", "budget_ms"} <= loaded["tasks"][name].keys()
+    preset = tomllib.loads((config_folder() / "fields" / "ssl-2002.toml").read_text())
+    pattern = tomllib.loads((config_folder() / "patterns" / "ssl-standard.toml").read_text())
+    assert keys_of(loaded) == keys_of(DEFAULT) | keys_of(preset) | keys_of({"robots": pattern["robot"]})
+
+
+def test_every_key_of_the_default_file_is_explained() -> None:
+    """A section or a line says what the key does; repeated kinds of lines need it once."""
+    text = (config_folder() / "default.toml").read_text()
+    for section in re.split(r"^\[", text, flags=re.MULTILINE)[1:]:
+        assert "#" in section, section
+
+
+def test_settings_are_frozen() -> None:
+    settings = load_settings()
+    with pytest.raises(AttributeError):
+        settings.camera.rate_hz = 60.0  # type: ignore[misc]
+
+
+def test_later_layers_win(tmp_path: Path) -> None:
+    venue, config = tmp_path / "venue.toml", tmp_path / "config.toml"
+    venue.write_text("[camera]\nrate_hz = 50.0\nwidth_px = 800\n[robots]\nradius_m = 0.04\n")
+    config.write_text("[camera]\nwidth_px = 1000\n")
+    settings = load_settings(str(venue), config, {"server.port": 9000, "server.host": None})
+    assert (settings.camera.rate_hz, settings.camera.width_px, settings.robots.radius_m) == (50.0, 1000, 0.04)
+    assert (settings.server.port, settings.server.host) == (9000, DEFAULT["server"]["host"])
+
+
+def test_a_venue_chooses_its_field(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text('field_preset = "ssl-division-b"\n[field]\nmargin_m = 0.2\n')
+    field = load_settings(str(venue)).field
+    assert (field.length_m, field.margin_m, field.walls) == (9.0, 0.2, False)
+
+
+def test_a_palette_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text("[colors.classes]\norange = [{ hue_deg = [0, 40] }]\n")
+    assert list(load_settings(str(venue)).colors.classes) == ["orange"]
+
+
+WRONG = [
+    ("[camera]\nwidth_px = 3", "camera.width_px; found: 3; accepted: a whole number >= 64"),
+    ("[camera]\nwdth_px = 640", r"camera.wdth_px; found: no setting of this name \(did you mean width_px\?\)"),
+    ("[camera]\nrate_hz = nan", "camera.rate_hz"),
+    ("[mirrror]\na = 1", r"mirrror; found: no setting of this name \(did you mean mirror\?\)"),
+    ("[server]\nport = 70000", "server.port; found: 70000; accepted: a whole number <= 65535"),
+    ("[server]\nport = 'x'", "server.port; found: 'x'; accepted: a whole number"),
+    ("[ball]\ncolor = 'red'", "ball.color; found: 'red'; accepted: a color class: orange, yellow"),
+    ("[mirror]\nb = -1.0", "mirror; found: A 4.0187, B -1, C 90000; accepted: B >= 0"),
+    ("[mirror]\na = nan", "mirror.a; found: nan; accepted: a number"),
+    ("[camera]\nmodel = 'homography'", "camera.homography; found: nothing; accepted: four named points"),
+    ("[camera.pinhole]\nposition_m = [0.0, 0.0, 0.1]", "camera.pinhole.position_m; found: 0.1 m high"),
+    ("[colors.classes]\norange = [{ hue = [0, 1] }]", "orange.0.hue; found: no setting of this name .*hue_deg"),
+    ("[colors.classes]\norange = [{ value = [0.9, 0.1] }]", r"orange.value; found: \[0.9, 0.1\]; accepted: the lower"),
+    ("[colors.classes]\norange = [{ luma = [0, 9] }]", r"orange; found: luma; accepted: .*\(colors.space is hsv\)"),
+    ("[match]\nblue_ids = [1, 1, 2, 3, 4, 5]", "match.blue_ids; .* each once"),
+    ("[match]\nnumbers = 17", "match.numbers; found: 17; accepted: a whole number <= 16"),
+    ("field_preset = 'moon'", "field 'moon'; found: no such file; accepted: ssl-2002, ssl-division-b"),
+    ("camera = 3", "camera; found: 3; accepted: a table"),
+    ("[camera]\nmodel = 'homografy'", "camera.model; found: 'homografy'; accepted: homography, pinhole"),
+    ("[protocol.letters]\nfirst_blue = '~'", "protocol.letters.first_blue"),
+    ("[server]\nhost = ''", "server.host; found: ''; accepted: a text of length >= 1"),
+    ("[tracks]\nrobot_noise_m = 1e308", "tracks.robot_noise_m; found: 1e[+]308"),
+    ("[synthetic]\nseed = -1", "synthetic.seed; found: -1; accepted: a whole number >= 0"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG, ids=[text.replace("\n", " ") for text, _ in WRONG])
+def test_a_mistake_names_file_key_found_and_accepted(tmp_path: Path, text: str, message: str) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text(text)
+    with pytest.raises(SettingsError, match=message) as caught:
+        load_settings(str(venue))
+    if "field_preset" not in text:
+        assert str(venue) in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"[camera", b"\xff\xfe", b"a = 1\na = 2", b"a = " + b"[" * 5000])
+def test_a_file_that_is_no_toml_is_named(tmp_path: Path, content: bytes) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_bytes(content)
+    with pytest.raises(SettingsError, match=re.escape(str(venue))):
+        load_settings(str(venue))
+
+
+def test_a_missing_file_is_named() -> None:
+    with pytest.raises(SettingsError, match="nowhere.toml; found: No such file"):
+        load_settings("nowhere.toml")
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "x" * 300 + ".toml", "\0.toml"], ids=["name", "path", "nul"])
+def test_a_name_that_no_file_can_have_is_refused(name: str) -> None:
+    with pytest.raises(SettingsError):
+        load_settings(options={"field_preset": name})
+    with pytest.raises(SettingsError):
+        load_settings(name)
+
+
+def test_an_unknown_venue_lists_the_known_ones() -> None:
+    with pytest.raises(SettingsError, match="venue 'moon'; found: no such file; accepted: .*a path"):
+        find_file("venues", "moon")
+
+
+def test_the_schema_tells_ranges() -> None:
+    schema = msgspec.json.schema(Settings)
+    assert schema["$defs"]["CameraSettings"]["properties"]["width_px"]["minimum"] == 64
+
+
+def test_a_corner_far_outside_of_the_picture_is_a_slip(tmp_path: Path) -> None:
+    text = (config_folder() / "minimal.toml").read_text()
+    venue = tmp_path / "venue.toml"
+    venue.write_text(text.replace("[1200.0, 30.0]", "[12000.0, 30.0]"))
+    with pytest.raises(
+        SettingsError, match=r"found: 'right top corner' at \(12000, 30\) px; accepted: points in or near"
+    ):
+        load_settings(str(venue))

@@ -1,0 +1,164 @@
+"""Instructions that Python has no word for, for use inside a ``@kernel``: 64 pixels at once, and single bits.
+
+A compiler turns a loop over bytes into wide instructions only while the bytes stay bytes, and numba makes them
+words as soon as they are added. So the wide part is said outright, in LLVM's vectors of 64 bytes; any processor has
+them, as one register or as several. No index is checked here: callers stay inside their arrays.
+"""
+
+from functools import reduce
+from typing import Any
+
+from llvmlite import ir
+
+from vision_core.native.kernels import intrinsic, machine_types
+from vision_core.types.prefilter import FORMS
+
+LANES = 64
+CHAINS = 4
+"""Reads that do not wait for each other."""
+BYTE, WORD, LONG, VOID = ir.IntType(8), ir.IntType(32), ir.IntType(64), ir.VoidType()
+BYTES, SHORTS = ir.VectorType(BYTE, LANES), ir.VectorType(ir.IntType(16), LANES)
+
+
+@intrinsic
+def candidate_bits(_typing: Any, flat: Any, pixel: Any, limits: Any) -> Any:
+    """Which of 64 pixels pass the test of ``Candidates``, as bits, the first pixel's lowest.
+
+    (flat, pixel, limits): flat uint8 (pixels * 3,), blue green red; number of the first pixel; 16 bytes, the least
+    steps and then the least levels.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, values[0]).data
+        given = [_everywhere(builder, builder.extract_value(values[2], number)) for number in range(2 * FORMS)]
+        passed = _passed(builder, _channels(builder, data, values[1]), given[:FORMS], given[FORMS:])
+        return builder.bitcast(builder.icmp_unsigned("!=", passed, ir.Constant(BYTES, None)), LONG)
+
+    return machine_types.uint64(flat, pixel, limits), code
+
+
+@intrinsic
+def write_cells(_typing: Any, flat: Any, pixel: Any, cells: Any, place: Any) -> Any:
+    """The cells of the color table that 64 pixels fall into: (flat, pixel, cells, place).
+
+    cells: uint16, filled from ``place`` on.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data, out = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
+        cell = ir.Constant(SHORTS, None)
+        for part, (drop, lift) in zip(_channels(builder, data, values[1]), ((3, 11), (2, 5), (3, 0)), strict=True):
+            level = builder.lshr(builder.zext(part, SHORTS), ir.Constant(SHORTS, [drop] * LANES))
+            cell = builder.or_(cell, builder.shl(level, ir.Constant(SHORTS, [lift] * LANES)))
+        builder.store(cell, builder.bitcast(builder.gep(out, [values[3]]), SHORTS.as_pointer()), align=2)
+        return context.get_dummy_value()
+
+    return machine_types.void(flat, pixel, cells, place), code
+
+
+@intrinsic
+def any_class(_typing: Any, cells: Any, place: Any, classes: Any) -> Any:
+    """0 where 64 cells from ``place`` on have no class: (cells, place, classes), without a branch between them."""
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data, table = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
+        found = [ir.Constant(BYTE, 0)] * CHAINS
+        for lane in range(LANES):
+            at = builder.gep(data, [builder.add(values[1], ir.Constant(LONG, lane))])
+            number = builder.zext(builder.load(at), LONG)
+            found[lane % CHAINS] = builder.or_(found[lane % CHAINS], builder.load(builder.gep(table, [number])))
+        return reduce(builder.or_, found)
+
+    return machine_types.uint8(cells, place, classes), code
+
+
+@intrinsic
+def class_at(_typing: Any, flat: Any, pixel: Any, classes: Any) -> Any:
+    """The class of one pixel: (flat, pixel, classes), classes uint8 (65536,)."""
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data, table = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
+        start = builder.mul(values[1], ir.Constant(LONG, 3))
+
+        def part(channel: int, drop: int, place: int) -> Any:
+            at = builder.gep(data, [builder.add(start, ir.Constant(LONG, channel))])
+            level = builder.lshr(builder.zext(builder.load(at), LONG), ir.Constant(LONG, drop))
+            return builder.shl(level, ir.Constant(LONG, place))
+
+        cell = builder.or_(builder.or_(part(0, 3, 11), part(1, 2, 5)), part(2, 3, 0))
+        return builder.load(builder.gep(table, [cell]))
+
+    return machine_types.uint8(flat, pixel, classes), code
+
+
+@intrinsic
+def prefetch(_typing: Any, flat: Any, pixel: Any) -> Any:
+    """Ask for the memory of a pixel that is needed soon: (flat, pixel). A place outside does no harm."""
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, values[0]).data
+        at = builder.gep(data, [builder.mul(values[1], ir.Constant(LONG, 3))])
+        fetch = _external(builder, "llvm.prefetch.p0", ir.FunctionType(VOID, [BYTE.as_pointer(), WORD, WORD, WORD]))
+        builder.call(fetch, [at, *(ir.Constant(WORD, how) for how in (0, 3, 1))])
+        return context.get_dummy_value()
+
+    return machine_types.void(flat, pixel), code
+
+
+def _external(builder: Any, name: str, kind: Any) -> Any:
+    known = builder.module.globals
+    return known[name] if name in known else ir.Function(builder.module, kind, name)
+
+
+def _wide(builder: Any, name: str, one: Any, two: Any) -> Any:
+    """A two-operand instruction on 64 bytes."""
+    return builder.call(
+        _external(builder, f"llvm.{name}.v{LANES}i8", ir.FunctionType(BYTES, [BYTES, BYTES])), [one, two]
+    )
+
+
+def _channels(builder: Any, data: Any, pixel: Any) -> list[Any]:
+    """64 pixels of three bytes each, sorted into three vectors."""
+    start = builder.mul(pixel, ir.Constant(LONG, 3))
+    thirds = []
+    for third in range(3):
+        at = builder.gep(data, [builder.add(start, ir.Constant(LONG, third * LANES))])
+        thirds.append(builder.load(builder.bitcast(at, BYTES.as_pointer()), align=1))
+    channels = []
+    for channel in range(3):
+        places = [3 * lane + channel for lane in range(LANES)]
+        front = [place if place < 2 * LANES else 0 for place in places]
+        back = [lane if place < 2 * LANES else place - LANES for lane, place in enumerate(places)]
+        picked = builder.shuffle_vector(thirds[0], thirds[1], _places(front))
+        channels.append(builder.shuffle_vector(picked, thirds[2], _places(back)))
+    return channels
+
+
+def _places(places: list[int]) -> Any:
+    return ir.Constant(ir.VectorType(WORD, LANES), places)
+
+
+def _passed(builder: Any, channels: list[Any], steps: list[Any], levels: list[Any]) -> Any:
+    """Bytes that are 0 where a pixel passes no form."""
+
+    def over(one: Any, two: Any) -> Any:
+        return _wide(builder, "usub.sat", one, two)
+
+    passed = ir.Constant(BYTES, None)
+    for form, channel in enumerate(channels):
+        others = channels[(form + 1) % 3], channels[(form + 2) % 3]
+        largest, smallest = (_wide(builder, name, *others) for name in ("umax", "umin"))
+        for number, high, low in ((form, channel, largest), (form + 3, smallest, channel)):
+            enough = _wide(builder, "umin", over(over(high, low), steps[number]), over(high, levels[number]))
+            passed = builder.or_(passed, enough)
+    darkest = _wide(builder, "umin", smallest, channels[2])
+    lightest = _wide(builder, "umax", largest, channels[2])
+    passed = builder.or_(passed, over(darkest, levels[6]))
+    return builder.or_(passed, over(levels[7], lightest))
+
+
+def _everywhere(builder: Any, value: Any) -> Any:
+    """One byte in all lanes."""
+    nothing = ir.Constant(BYTES, ir.Undefined)
+    alone = builder.insert_element(nothing, value, ir.Constant(WORD, 0))
+    return builder.shuffle_vector(alone, nothing, _places([0] * LANES))

@@ -1,0 +1,222 @@
+"""Loads marker patterns from ``config/patterns``: what robots wear, as data.
+
+Robot space: origin at the robot's center, x forward, y left; millimetres. A pattern that a camera could not
+read in one way only is refused: see ``docs/patterns.md``.
+"""
+
+import math
+import re
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from vision_core.errors import SettingsError
+from vision_core.patterns.geometry import (
+    SAME_MM,
+    Polygon,
+    crosses_itself,
+    gap_mm,
+    overlap_mm,
+    reach_mm,
+    turns_onto_itself,
+    width_mm,
+)
+from vision_core.settings.schema import Point2, Record, RobotShape
+from vision_core.venues.loader import Layer, find_file, read_layer
+from vision_core.types.objects import Team
+
+TEAM, CODE = "team", "code"
+"""Colors of patches that differ from robot to robot; any other color is a color class that all wear."""
+
+MOST_OVERLAP_MM = 0.6
+"""Scissors are not more exact."""
+MOST_BEYOND_MM = 0.05
+LEAST_WIDTH_MM = 2.0
+HIGHEST_ID = 255
+
+ColorName = Annotated[str, Meta(pattern="^[A-Za-z][A-Za-z0-9_-]*$")]
+
+
+class Patch(Record, frozen=True):
+    """A piece of colored paper: a circle, or a polygon whose last corner is its first."""
+
+    color: Annotated[ColorName, Meta(description="team: the team's color; code: a digit of the id; or a color class")]
+    circle_mm: Annotated[tuple[float, float, float] | None, Meta(description="center x, y, diameter")] = None
+    polygon_mm: Annotated[tuple[Point2, ...] | None, Meta(description="corners; the first closes it")] = None
+
+
+class Code(Record, frozen=True):
+    """How ids are written."""
+
+    colors: Annotated[tuple[ColorName, ...], Meta(max_length=8, description="color classes of different initials")]
+    ids: Annotated[dict[str, str], Meta(min_length=1, description="id: initials of the code patches, in order")]
+
+
+class Pattern(Record, frozen=True):
+    """A marker: one patch in the team's color, and further ones that tell heading and id."""
+
+    name: Annotated[str, Meta(min_length=1)]
+    robot: RobotShape
+    patches: Annotated[tuple[Patch, ...], Meta(min_length=1, max_length=9)]
+    code: Code
+
+    @property
+    def code_by_id(self) -> dict[int, str]:
+        """Initials of the code patches' colors, in capitals, by marker id."""
+        return {int(key): code for key, code in self.code.ids.items()}
+
+    @property
+    def digits(self) -> int:
+        """How many code patches there are."""
+        return sum(patch.color == CODE for patch in self.patches)
+
+    def colors_worn(self, team: Team, marker_id: int) -> tuple[str, ...]:
+        """The color class of every patch of a team's robot. Raises KeyError for an id that the pattern lacks."""
+        by_initial = {color[0].upper(): color for color in self.code.colors}
+        digits = iter(self.code_by_id[marker_id])
+        return tuple(
+            by_initial[next(digits)] if patch.color == CODE else str(team) if patch.color == TEAM else patch.color
+            for patch in self.patches
+        )
+
+
+def load_pattern(name: str) -> Pattern:
+    """A pattern by its file's name in config/patterns, or by a path. Raises SettingsError."""
+    layer = read_layer(find_file("patterns", name))
+    try:
+        pattern = msgspec.convert(layer.table, Pattern)
+    except msgspec.ValidationError as error:
+        raise SettingsError(f"pattern {layer.name}", found=str(error)) from None
+    _check_teams(layer, pattern)
+    for number, patch in enumerate(pattern.patches, start=1):
+        _check_patch(f"pattern {layer.name}: patch {number}", number, patch, pattern.robot)
+    _check_overlaps(layer, pattern)
+    _check_code(layer, pattern)
+    _check_blobs(layer, pattern)
+    _check_turns(layer, pattern)
+    return pattern
+
+
+def scaled(pattern: Pattern, factor: float) -> Pattern:
+    """The same marker, larger or smaller."""
+    patches = tuple(
+        msgspec.structs.replace(
+            patch,
+            circle_mm=tuple(factor * number for number in patch.circle_mm) if patch.circle_mm else None,
+            polygon_mm=tuple((factor * x, factor * y) for x, y in patch.polygon_mm) if patch.polygon_mm else None,
+        )
+        for patch in pattern.patches
+    )
+    return msgspec.structs.replace(pattern, patches=patches)
+
+
+def looks(pattern: Pattern) -> Iterator[tuple[Team, int, tuple[str, ...]]]:
+    """Team, id and the colors of the patches of every robot that can wear a pattern."""
+    for team in Team:
+        for marker_id in pattern.code_by_id:
+            yield team, marker_id, pattern.colors_worn(team, marker_id)
+
+
+def _check_teams(layer: Layer, pattern: Pattern) -> None:
+    teams = sum(patch.color == TEAM for patch in pattern.patches)
+    if teams != 1:
+        raise SettingsError(
+            f"pattern {layer.name}: patches", found=f"{teams} of color team", accepted="one in the team's color"
+        )
+
+
+def _check_patch(asked: str, number: int, patch: Patch, robot: RobotShape) -> None:
+    if (patch.circle_mm is None) == (patch.polygon_mm is None):
+        raise SettingsError(asked, found="both or none", accepted="circle_mm or polygon_mm")
+    numbers = patch.circle_mm or tuple(value for corner in patch.polygon_mm or () for value in corner)
+    if not all(map(math.isfinite, numbers)):
+        raise SettingsError(asked, found=str(list(numbers)), accepted="numbers")
+    if patch.polygon_mm is not None:
+        _check_polygon(asked, patch.polygon_mm)
+    edge_mm = 1e3 * robot.radius_m
+    if (reach := reach_mm(patch, robot.outline)) > edge_mm + MOST_BEYOND_MM:
+        half = "half side" if robot.outline == "square" else "radius"
+        found = f"patch {number} reaches {reach:.4g} mm from the center, the robot's {half} is {edge_mm:.4g} mm"
+        raise SettingsError(asked, found=found, accepted="patches within the robot's outline")
+    if (width := width_mm(patch)) < LEAST_WIDTH_MM:
+        raise SettingsError(asked, found=f"{width:.2g} mm wide", accepted=f"at least {LEAST_WIDTH_MM:g} mm")
+
+
+def _check_polygon(asked: str, corners: Polygon) -> None:
+    if len(corners) > 64:
+        raise SettingsError(asked, found=f"{len(corners)} corners", accepted="at most 64")
+    if len(corners) < 4 or corners[0] != corners[-1]:
+        ends = ", ".join(f"[{x:g}, {y:g}]" for x, y in (corners[0], corners[-1])) if corners else "nothing"
+        found = f"{len(corners)} corners, first and last {ends}: not closed"
+        raise SettingsError(asked, found=found, accepted="three or more corners, then the first again")
+    if crosses_itself(corners):
+        raise SettingsError(asked, found="sides that cross or touch each other", accepted="a simple polygon")
+
+
+def _check_overlaps(layer: Layer, pattern: Pattern) -> None:
+    for (i, patch), (j, other) in combinations(enumerate(pattern.patches, start=1), 2):
+        if (wide := overlap_mm(patch, other)) > MOST_OVERLAP_MM:
+            raise SettingsError(
+                f"pattern {layer.name}: patches {i} and {j}",
+                found=f"they overlap, {wide:.2g} mm wide",
+                accepted="patches beside each other; round a square in a corner draw an L",
+            )
+
+
+def _check_code(layer: Layer, pattern: Pattern) -> None:
+    initials = "".join(color[0].upper() for color in pattern.code.colors)
+    if len(set(initials)) < len(initials):
+        raise SettingsError(f"pattern {layer.name}: code.colors", found=initials, accepted="different initials")
+    code = re.compile(f"[{initials}]{{{pattern.digits}}}" if initials and pattern.digits else "")
+    seen: dict[str, str] = {}
+    for key, value in pattern.code.ids.items():
+        if not _is_id(key) or len(value) != pattern.digits or not code.fullmatch(value):
+            accepted = f"a number of 0 to {HIGHEST_ID} and {pattern.digits} letters of {initials}"
+            raise SettingsError(f"pattern {layer.name}: code.ids", found=f'{key} = "{value}"', accepted=accepted)
+        if value in seen:
+            raise SettingsError(
+                f"pattern {layer.name}: code.ids",
+                found=f"{seen[value]} and {key} both wear {value}",
+                accepted="each code once",
+            )
+        seen[value] = key
+
+
+def _is_id(key: str) -> bool:
+    return re.fullmatch("0|[1-9][0-9]{0,2}", key) is not None and int(key) <= HIGHEST_ID
+
+
+def _check_blobs(layer: Layer, pattern: Pattern) -> None:
+    """Patches of one color that touch are one blob."""
+    numbered = list(enumerate(pattern.patches))
+    touching = [(i, j) for (i, a), (j, b) in combinations(numbered, 2) if gap_mm(a, b) < SAME_MM]
+    for team, marker_id, colors in looks(pattern):
+        for i, j in touching:
+            if colors[i] == colors[j]:
+                raise SettingsError(
+                    f"pattern {layer.name}: id {marker_id}, team {team}",
+                    found=f"patches {i + 1} and {j + 1} touch and are both {colors[i]}: a camera sees one",
+                    accepted=f"different colors, or a gap of at least {SAME_MM:g} mm",
+                )
+
+
+def _check_turns(layer: Layer, pattern: Pattern) -> None:
+    """No robot looks like another one, or like itself, when it is turned."""
+    worn = list(looks(pattern))
+    names = {colors: (team, marker_id) for team, marker_id, colors in worn}
+    for turn, places in turns_onto_itself(pattern.patches):
+        for team, marker_id, colors in worn:
+            seen = [""] * len(colors)
+            for patch, place in enumerate(places):
+                seen[place] = colors[patch]
+            other = names.get(tuple(seen))
+            if other is not None and (turn or other != (team, marker_id)):
+                by = f"turned by {math.degrees(turn):.0f} deg" if turn else "as it is"
+                raise SettingsError(
+                    f"pattern {layer.name}: ambiguous",
+                    found=f"{team} {marker_id} {by} looks like {other[0]} {other[1]}",
+                    accepted="ids and headings that look different however the robot stands",
+                )
