@@ -1,8 +1,11 @@
 """Everything round the core: command line, supervisor, web process.
 
-Files, outside-in: ``main`` (entry), ``cli`` (commands), ``service_plan`` (settings -> what to start),
-``supervisor/`` (starts and watches), ``web_process`` (the page's process), ``server`` and ``routes/``
-(HTTP), ``live`` (WebSocket), ``readiness`` (is the service ready, and why not).
+main             entry point, standard library only
+cli              the command line: registers
+commands/        one file per command
+launch/          from settings to what is started: plan, sockets, who holds a port
+supervisor/      starts and watches every process of the service
+web/             the page's process: API, live connection, reports
 """
 
 from importlib.metadata import version

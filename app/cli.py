@@ -74,8 +74,8 @@ def detect(
     ] = None,
 ) -> None:
     """Find robots and balls in pictures."""
-    from vision_core.venues.loader import load_settings
     from vision_core.evaluation.stills import detect_files
+    from vision_core.venues.loader import load_settings
 
     failed = False
     for found in detect_files(files, load_settings(venue, config), draw):
@@ -98,9 +98,9 @@ def config_show(venue: Venue = None, config: ConfigFile = None) -> None:
 @config_app.command("validate")
 def config_validate(venue: Venue = None, config: ConfigFile = None) -> None:
     """Say whether settings are in order; exit status 2 when they are not."""
-    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
     from vision_core.startup.preflight import check_tasks
     from vision_core.tasks.table import check_table
+    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
 
     layers = layers_of(venue, config)
     settings = settings_from_layers(layers)

@@ -20,11 +20,11 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
 from vision_core.clock import MonotonicClock
 from vision_core.geometry import wrap_angle
-from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
 from vision_core.pipeline.perception import Perception
+from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import RobotSighting, Sightings, Team
+from vision_core.venues.loader import load_settings
 
 MATCH_M = 0.05
 WHOLE = 0.99

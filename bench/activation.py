@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 
 from bench.activation_task import FOLDER, begins_of
+from bench.baselines.build import build_program
 from bench.helpers import sit_out
 from bench.load import full_load
 from bench.runner import Row
 from bench.service import configured, running_service
-from bench.baselines.build import build_program
 from vision_core.clock import NS_PER_MS, NS_PER_S, MonotonicClock
 from vision_core.geometry import Floats
 from vision_core.net.control import Attached, attach_to

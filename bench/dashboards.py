@@ -14,15 +14,15 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.frame_path import FRAMES, SIGHTINGS, US_PER_S, VIEWS, WAY, WORKERS, histograms_of, policies_of
 from bench.helpers import Companion, Report, sit_out
 from bench.pictures import config_of, wait_for_all, write_match
+from bench.record_timestamps import Stamp
 from bench.runner import Row
 from bench.service import RunningService, configured, running_service
-from bench.record_timestamps import Stamp
-from bench.frame_path import FRAMES, SIGHTINGS, US_PER_S, VIEWS, WAY, WORKERS, histograms_of, policies_of
 from vision_core.clock import Instant, MonotonicClock
-from vision_core.timing.histogram import BINS, Counts, bin_of, quantile_s
 from vision_core.net.control import Attached, attach_to
+from vision_core.timing.histogram import BINS, Counts, bin_of, quantile_s
 
 PAGES = 20
 CLIENTS_PER_TEAM = 5

@@ -7,8 +7,8 @@ import urllib.error
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bench.service import RunningService
 from bench.frame_path import VIEWS
+from bench.service import RunningService
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
 from vision_core.net.control import Attached
 from vision_core.rtdb import records

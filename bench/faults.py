@@ -19,11 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.fault_targets import Service, Victim
 from bench.helpers import Companion, Report, sit_out, stepwise
-from bench.shutdown import disabling, killed_supervisor
 from bench.runner import Row
 from bench.service import configured, running_service
-from bench.fault_targets import Service, Victim
+from bench.shutdown import disabling, killed_supervisor
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.net.control import attach_to
 from vision_core.rtdb import records

@@ -1,10 +1,10 @@
 """The way from a frame to its datagrams in a running service: its records, its tasks, and what these tell."""
 
 from vision_core.clock import MonotonicClock
-from vision_core.timing.histogram import Counts, decode, quantile_s
 from vision_core.net.control import Attached
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import TIMINGS
+from vision_core.timing.histogram import Counts, decode, quantile_s
 
 FRAMES, SIGHTINGS, VIEWS = WAY = ("frames/main", "sightings/main", "views")
 """Written by capture, by perceive, and by serve when the last datagram is sent."""

@@ -12,9 +12,9 @@ import json
 import sys
 import time
 
+from bench.frame_path import FRAMES, SIGHTINGS, VIEWS
 from bench.helpers import READY, keep_time, told_to_end
 from bench.record_timestamps import History, stamp_of
-from bench.frame_path import FRAMES, SIGHTINGS, VIEWS
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock
 from vision_core.net.control import attach_to
 from vision_core.rtdb.slots import Reading, SlotReader

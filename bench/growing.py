@@ -36,9 +36,9 @@ from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.color.spaces import ycc_from_bgr
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.from_settings import camera_model_from
 from vision_core.native.opencv import write_picture
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import camera_model_from
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
 

@@ -19,13 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from bench.helpers import Companion, Report, sit_out
-from bench.pictures import ROBOTS_PER_TEAM, config_of, wait_for_all, write_match
-from bench.runner import Row
-from bench.service import configured, running_service
-from bench.record_timestamps import Stamp
 from bench.baselines.build import build_program
 from bench.frame_path import FRAMES, WAY, WORKERS, histograms_of, policies_of, quantile_us
+from bench.helpers import Companion, Report, sit_out
+from bench.pictures import ROBOTS_PER_TEAM, config_of, wait_for_all, write_match
+from bench.record_timestamps import Stamp
+from bench.runner import Row
+from bench.service import configured, running_service
 from vision_core.geometry import Floats
 from vision_core.net.control import attach_to
 

@@ -26,10 +26,10 @@ from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
 from vision_core.net.batch import Lines
 from vision_core.net.udp import SessionSocket
+from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.messages import Init
 from vision_core.settings.schema import Settings
-from vision_core.pipeline.view_encoder import Messages
-from vision_core.pipeline.perception import Perception
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team

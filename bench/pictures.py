@@ -9,8 +9,8 @@ from bench import frame_path as way
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
-from vision_core.net.control import Attached
 from vision_core.native.opencv import write_picture
+from vision_core.net.control import Attached
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
 

@@ -21,13 +21,13 @@ import sys
 import tempfile
 from pathlib import Path
 
-from bench.cambada.detectors import DETECTORS, detector_of
 from bench.cambada.activation_log import BEGAN, Rows, read_diary
-from bench.cambada.test_sequence import BALL_GONE, FRAMES, GOALS_GONE, write_film
+from bench.cambada.detectors import DETECTORS, detector_of
 from bench.cambada.monolith import BALL, LOOP
 from bench.cambada.paper import RATE_HZ, TASKS
 from bench.cambada.picture import draw
 from bench.cambada.results import Loop, Modular, StoodStill, table_1, table_3, told_of
+from bench.cambada.test_sequence import BALL_GONE, FRAMES, GOALS_GONE, write_film
 from bench.cambada.venue import DIARIES, FILM, write_venue
 from bench.clients import Sleepers
 from bench.helpers import ROOT, sit_out
@@ -35,8 +35,8 @@ from bench.load import Load, full_load
 from bench.runner import OUT, Row
 from bench.service import running_service
 from vision_core.clock import MonotonicClock
-from vision_core.net.control import attach_to
 from vision_core.native.opencv import write_picture
+from vision_core.net.control import attach_to
 from vision_core.rtdb import records
 from vision_core.venues.loader import load_settings
 

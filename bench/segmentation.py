@@ -15,24 +15,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.runner import Row
 from bench.baselines.build import load_twin
+from bench.runner import Row
 from vision_core.blobs.rows import FastSegmenter, least_height_px
 from vision_core.blobs.run_lengths import Segmenter
-from vision_core.models.camera import CameraModel
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
 from vision_core.clock import MonotonicClock
-from vision_core.color.prefilter import candidate_test
 from vision_core.color.lookup_table import compile_color_table
+from vision_core.color.prefilter import candidate_test
 from vision_core.geometry import Bytes
-from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
+from vision_core.models.camera import CameraModel
 from vision_core.models.from_settings import camera_model_from
-from vision_core.types.prefilter import Candidates
+from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
+from vision_core.types.prefilter import Candidates
 from vision_core.types.tables import BLOB, Table
+from vision_core.venues.loader import load_settings
 
 FRAMES = 24
 ROUNDS = 8

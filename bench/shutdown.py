@@ -6,11 +6,11 @@ import socket
 import time
 from pathlib import Path
 
+from bench.fault_targets import PATIENCE_S, RUNNING, Service
+from bench.frame_path import VIEWS
 from bench.helpers import sit_out
 from bench.runner import Row
 from bench.service import RunningService, is_alive
-from bench.fault_targets import PATIENCE_S, RUNNING, Service
-from bench.frame_path import VIEWS
 from vision_core.net.control import restart
 
 DISABLED = "disabled"

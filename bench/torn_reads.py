@@ -24,8 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.runner import Row
 from bench.baselines.build import build_program
+from bench.runner import Row
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes
 from vision_core.rtdb.layout import RecordSpec

@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bench.runner import Row
 from bench.baselines.build import load_twin
+from bench.runner import Row
 from vision_core.clock import Instant
 from vision_core.net.batch import Batch, Lines
 from vision_core.net.udp import SessionSocket

@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from bench.runner import Row
 from bench.baselines.build import load_twin
+from bench.runner import Row
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes
 from vision_core.net.batch import Batch
+from vision_core.pipeline.see_kernels import SLOT
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.messages import Init
 from vision_core.protocol.see import see_from_view
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
-from vision_core.pipeline.view_encoder import Messages
-from vision_core.pipeline.see_kernels import SLOT
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, RobotTrack, World
+from vision_core.venues.loader import load_settings
 from vision_core.views.renderer import Place
 
 TEAM_SIZES = (5, 11)

@@ -16,8 +16,8 @@ for name in [name for name in os.environ if name.startswith("PSLV_") and name !=
 def compiling() -> Iterator[None]:
     """Compiles the service's kernels beside the first tests, which do not need them."""
     from vision_core.native.kernel_cache import kernel_folder
-    from vision_core.venues.loader import load_settings
     from vision_core.startup.compile import STEPS, started
+    from vision_core.venues.loader import load_settings
 
     folder = kernel_folder()
     folder.mkdir(parents=True, exist_ok=True)

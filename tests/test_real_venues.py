@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from vision_core.clock import Instant, ManualClock
-from vision_core.native.opencv import open_video
-from vision_core.venues.loader import load_settings
 from vision_core.evaluation.score import evaluate, total
-from vision_core.pipeline.perception import Perception
 from vision_core.evaluation.stills import detect_files
 from vision_core.evaluation.truth_files import load_truth
+from vision_core.native.opencv import open_video
+from vision_core.pipeline.perception import Perception
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import TEAMS
+from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.slow
 

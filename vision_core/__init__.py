@@ -1,0 +1,26 @@
+"""The real-time core: from a ceiling camera's light to every robot's datagram. It knows no web.
+
+    light -> ImageFrame -> color classes -> blobs -> Sightings -> World -> RobotView -> datagram
+
+Top to bottom; who stands lower imports nobody above (held by the contracts in pyproject.toml):
+
+    startup/      main modules of processes: preflight, compile, process, spare
+    evaluation/   how good recognition is on files: stills, overlay, score
+    client/       for teams: connect, views, panorama; numpy alone
+    tasks/        table.py is read first, then one file per task
+    pipeline/     several stages in one compiled call
+    net/          the only server sockets
+    scheduling/   runs tasks at their periods and priorities, and measures them
+    protocol/     datagram bytes, without sockets
+    rtdb/         the real-time database in shared memory
+    capture/ color/ blobs/ objects/ regions/ tracks/ views/
+                  the stages; they never import one another
+    patterns/     markers
+    venues/       settings files
+    models/       camera, mirror, field
+    settings/     what can be set
+    types/        what flows
+    native/       numba, OpenCV
+    timing/       rates, histograms
+    geometry clock errors
+"""

@@ -81,8 +81,8 @@ def light(
 ) -> None:
     """Measure the light: what colors.light.reference_bgr should be, and the gains that pictures would get."""
     from vision_core.color.light import field_samples, light_of, reference_of
-    from vision_core.venues.loader import load_settings
     from vision_core.models.from_settings import camera_model_from
+    from vision_core.venues.loader import load_settings
 
     settings = load_settings(venue, config)
     size, wanted = (settings.camera.width_px, settings.camera.height_px), settings.colors.light

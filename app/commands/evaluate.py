@@ -28,10 +28,10 @@ def evaluate(
     draw: Annotated[Path | None, typer.Option(help="Folder for overlays with misses marked.")] = None,
 ) -> None:
     """Score what is found in pictures against their truth: recall, precision and distance of robots and balls."""
-    from vision_core.venues.loader import load_settings
     from vision_core.evaluation.score import evaluate as score_all
     from vision_core.evaluation.score import total
     from vision_core.evaluation.truth_files import load_truth
+    from vision_core.venues.loader import load_settings
 
     settings = load_settings(venue, config)
     pictures = load_truth(truth)

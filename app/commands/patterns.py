@@ -37,8 +37,8 @@ def check(names: Names = None, venue: PaletteVenue = None, config: ConfigFile = 
     Several names are a set that is seen on one field. Without names: the venue's patterns, or every shipped one.
     """
     from vision_core.patterns.distinctness import nearest_rival, report_on
-    from vision_core.patterns.loader import load_pattern
     from vision_core.patterns.geometry import SAME_MM
+    from vision_core.patterns.loader import load_pattern
 
     chosen = list(dict.fromkeys(names or _of_venue(venue, config) or _shipped()))
     patterns = [load_pattern(name) for name in chosen]
@@ -85,9 +85,9 @@ def _shipped() -> list[str]:
 
 
 def _of_venue(venue: str | None, config: Path | None) -> list[str]:
-    from vision_core.venues.loader import load_settings
     from vision_core.models.from_settings import robots_of
     from vision_core.types.objects import Team
+    from vision_core.venues.loader import load_settings
 
     if venue is None and config is None:
         return []
@@ -128,8 +128,8 @@ def _rival(rival: "Rival") -> str:
 
 
 def _check_colors(colors: dict[str, None], venue: str | None, config: Path | None) -> None:
-    from vision_core.venues.loader import load_settings
     from vision_core.evaluation.pattern_colors import report_on_colors
+    from vision_core.venues.loader import load_settings
 
     settings = load_settings(venue, config)
     report = report_on_colors(list(colors), settings)

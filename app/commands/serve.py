@@ -46,8 +46,8 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
-    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
     from vision_core.tasks.table import check_table
+    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
 
     options = {
         "source.uri": source,
@@ -65,8 +65,8 @@ def serve(
 
 def _run(settings: "Settings") -> int:
     """The service until somebody stops it; its exit status."""
-    from app.launch.resource_owners import lock_camera
     from app.launch.plan import plan_service, prepare_data_folder
+    from app.launch.resource_owners import lock_camera
     from app.supervisor.supervisor import Supervisor
     from vision_core.capture.source import is_device
     from vision_core.rtdb import records

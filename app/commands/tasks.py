@@ -21,8 +21,8 @@ def tasks(
 ) -> None:
     """Print the task table: what runs when, at which priority, and what it reads and writes."""
     from vision_core.scheduling.checks import load, warnings
-    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
     from vision_core.tasks.table import check_table, task_table
+    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
 
     layers = layers_of(venue, config)
     settings = settings_from_layers(layers)

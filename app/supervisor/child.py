@@ -12,8 +12,8 @@ from app.supervisor.plan import ChildPlan
 from app.supervisor.priorities import hurry, hurry_to_end, settle
 from app.supervisor.vitals import Silence, silence_of
 from vision_core.clock import NS_PER_S
-from vision_core.scheduling.attachment import VARIABLE, HandDown
 from vision_core.rtdb.slots import SlotReader
+from vision_core.scheduling.attachment import VARIABLE, HandDown
 
 CRASHES_TO_DISABLE = 5
 CRASH_WINDOW_S = 60.0

@@ -17,9 +17,9 @@ from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.priorities import go_first
 from app.supervisor.spares import Spares, spare_plans
 from vision_core.clock import NS_PER_S
-from vision_core.scheduling.attachment import BEAT, HandDown, monotonic, name_process
 from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.store import Store, create_block
+from vision_core.scheduling.attachment import BEAT, HandDown, monotonic, name_process
 
 TICK_S = 0.1
 SHORTEST_TICK_S = 0.02

@@ -16,17 +16,17 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI, WebSocket
 
 from app.web.blackboard import Blackboard
-from app.web.middleware.local_only import ChangesGuard
 from app.web.heartbeat import beat, own_line
 from app.web.live.connection import POLICY_VIOLATION, Live
-from app.web.problems import install_problems
+from app.web.middleware.local_only import ChangesGuard
+from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
 from app.web.overrides import Proposals
+from app.web.problems import install_problems
 from app.web.routes.api import api_routes
 from app.web.routes.health import health_routes
 from app.web.routes.pages import page_routes, static_files
 from app.web.routes.tasks import task_routes
 from app.web.routes.timing import timing_routes
-from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
 from vision_core.rtdb.store import Store
 from vision_core.scheduling.metrics import Gauge
 

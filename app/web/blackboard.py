@@ -8,7 +8,6 @@ import numpy as np
 
 from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
-from vision_core.timing.histogram import Counts, decode
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import (
     LAGS,
@@ -24,6 +23,7 @@ from vision_core.rtdb.infos import (
 from vision_core.rtdb.items import ItemReader, Timed
 from vision_core.rtdb.slots import READ_TRIES, Glance, SlotReader
 from vision_core.rtdb.store import Store
+from vision_core.timing.histogram import Counts, decode
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 from vision_core.types.tracks import World

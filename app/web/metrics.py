@@ -12,12 +12,12 @@ from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
 
 from app.web.blackboard import Blackboard, Readings, Timings
-from app.web.reports.degradation import degradations
 from app.web.live.connection import Live
+from app.web.reports.degradation import degradations
 from app.web.reports.readiness import process_of, reasons_not_ready
 from vision_core.clock import seconds_between
-from vision_core.timing.histogram import EDGES_S, PER_OCTAVE, Counts
 from vision_core.rtdb.infos import LAGS, TIMINGS
+from vision_core.timing.histogram import EDGES_S, PER_OCTAVE, Counts
 from vision_core.types.objects import Team
 
 FIRST_S, LAST_S = 8e-6, 4.2

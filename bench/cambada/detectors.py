@@ -12,13 +12,13 @@ from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
 from vision_core.capture.synthetic.floor import COLORS, NET_LEFT, NET_RIGHT
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
-from vision_core.models.field import goal_line_x, painted_points
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.field import goal_line_x, painted_points
+from vision_core.models.from_settings import camera_model_from
 from vision_core.objects.obstacles import ObstacleFinder
+from vision_core.pipeline.perception import Perception
 from vision_core.regions.boundary import BoundaryFinder
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import camera_model_from
-from vision_core.pipeline.perception import Perception
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import Table
 

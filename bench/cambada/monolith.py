@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.cambada.detectors import DETECTORS, Detector, detector_of
 from bench.cambada.activation_log import Diary
+from bench.cambada.detectors import DETECTORS, Detector, detector_of
 from bench.cambada.paper import RATE_HZ
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes

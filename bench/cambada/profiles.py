@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.models.camera import CameraModel
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera import CameraModel
 
 LUMA = np.array([0.114, 0.587, 0.299])
 REACH_PX = 4

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import msgspec
 
-from bench.cambada.detectors import Places, detector_of
 from bench.cambada.activation_log import Diary
+from bench.cambada.detectors import Places, detector_of
 from bench.cambada.venue import diaries_of
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
 from vision_core.scheduling.latest_image import Images
+from vision_core.scheduling.releases import Release
 
 
 @dataclass(frozen=True, slots=True)

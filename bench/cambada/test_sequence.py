@@ -12,13 +12,13 @@ import msgspec
 import numpy as np
 
 from bench.cambada.paper import RATE_HZ
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.geometry import Bytes
+from vision_core.models.camera import PinholeCamera
+from vision_core.models.from_settings import camera_model_from
 from vision_core.native.opencv import write_picture
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import camera_model_from
 
 FRAMES = 300
 """Of the film, 15 s."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from vision_core.geometry import Bytes, Floats, rotation
-from vision_core.settings.schema import Settings
 from vision_core.models.from_settings import camera_model_from, robots_of
+from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
 COLORS = {Team.BLUE: (220, 90, 30), Team.YELLOW: (40, 200, 240)}

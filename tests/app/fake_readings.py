@@ -7,9 +7,9 @@ from tests.app.fake_tasks import Condition, process_infos, self_test, task_info
 from vision_core.clock import Instant
 from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, TaskInfo
 from vision_core.rtdb.items import T, Timed
-from vision_core.venues.loader import load_settings
 from vision_core.tasks.table import task_table
 from vision_core.types.objects import Sightings
+from vision_core.venues.loader import load_settings
 
 NOW = Instant(100_000_000_000)
 SEEN = Sightings("main", 7, NOW, NOW, (), (), complete=True)

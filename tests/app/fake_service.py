@@ -28,14 +28,13 @@ from tests.app.fake_tasks import (
     timing_of,
 )
 from vision_core.clock import Instant, MonotonicClock, after
+from vision_core.models.from_settings import camera_model_from, robots_of
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, SourceInfo
 from vision_core.rtdb.items import Item, T
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from, robots_of
-from vision_core.pipeline.view_encoder import Messages
 from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.objects import (
     BallSighting,
@@ -48,6 +47,7 @@ from vision_core.types.objects import (
 )
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
+from vision_core.venues.loader import load_settings
 
 CAMERA = "main"
 OBSTACLES = ((0.05, 0.95, 0.11), (-0.1, -0.45, 0.06))

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from vision_core.clock import NS_PER_MS, Instant
-from vision_core.timing.histogram import Histograms
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, Proposal, SelfTest, TaskInfo
 from vision_core.rtdb.items import Item
 from vision_core.scheduling.executive import with_proposal
 from vision_core.scheduling.task import Task
+from vision_core.timing.histogram import Histograms
 from vision_core.types.objects import Team
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 

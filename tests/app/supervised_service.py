@@ -9,8 +9,8 @@ import sys
 
 from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.supervisor import Supervisor
-from vision_core.scheduling.attachment import monotonic
 from vision_core.rtdb.layout import RecordSpec
+from vision_core.scheduling.attachment import monotonic
 
 
 def main(arguments: list[str]) -> int:

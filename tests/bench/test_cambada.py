@@ -11,26 +11,26 @@ import msgspec
 import numpy as np
 import pytest
 
-from bench.cambada.detectors import DETECTORS, Detector, Places, detector_of
 from bench.cambada.activation_log import BEGAN, IMAGE, Diary, read_diary
-from bench.cambada.test_sequence import shots
+from bench.cambada.detectors import DETECTORS, Detector, Places, detector_of
 from bench.cambada.monolith import BALL, LOOP, run
 from bench.cambada.paper import TASKS
 from bench.cambada.profiles import Strip, normals
 from bench.cambada.tasks import Finding, start
+from bench.cambada.test_sequence import shots
 from bench.cambada.venue import DIARIES, FILM, diaries_of, write_venue
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock
 from vision_core.geometry import Bytes, Floats
-from vision_core.scheduling.attachment import Attachment, HandDown
+from vision_core.models.camera import PinholeCamera
+from vision_core.models.from_settings import camera_model_from
 from vision_core.rtdb.store import create_block
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.releases import Release
-from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
-from vision_core.models.from_settings import camera_model_from
 from vision_core.tasks.table import check_table, record_specs, task_table
+from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
 
 SETTINGS = load_settings(options={"camera.rate_hz": 20.0})
 CAMERA = camera_model_from(SETTINGS)

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from bench.freshness import OF_FRAMES, Doubter
 from bench.frame_path import FRAMES, VIEWS
+from bench.freshness import OF_FRAMES, Doubter
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant, MonotonicClock
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.slots import SlotReader

@@ -5,9 +5,9 @@ import subprocess
 
 import pytest
 
-from bench.handover import busy_by_task, joined
 from bench.baselines.build import build_program
 from bench.frame_path import WAY
+from bench.handover import busy_by_task, joined
 
 BOOT = 1_000_000_000
 PERIOD = 5_000_000

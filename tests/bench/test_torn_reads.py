@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bench import torn_reads as torn
-from bench.torn_reads import IMAGE, PACKED, TRIALS, Proof, Trial
 from bench.baselines.build import build_program
+from bench.torn_reads import IMAGE, PACKED, TRIALS, Proof, Trial
 from vision_core.clock import Instant
 from vision_core.rtdb.slots import SlotReader, SlotWriter
 from vision_core.rtdb.store import Store, create_block

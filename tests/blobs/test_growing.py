@@ -25,9 +25,9 @@ from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.clock import Instant, after
 from vision_core.geometry import Bytes
-from vision_core.venues.loader import load_settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
+from vision_core.venues.loader import load_settings
 
 CLASSES = ((np.arange(65536) >> 11) * 8 // 64).astype(np.uint8)
 CLASSES.setflags(write=False)

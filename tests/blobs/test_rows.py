@@ -17,14 +17,14 @@ from vision_core.blobs.rows import FastSegmenter, least_height_px, segment_pictu
 from vision_core.blobs.run_lengths import Segmenter
 from vision_core.capture.source import open_source
 from vision_core.clock import MonotonicClock
-from vision_core.color.prefilter import candidate_test
 from vision_core.color.lookup_table import compile_color_table
+from vision_core.color.prefilter import candidate_test
 from vision_core.geometry import Bytes, frozen
 from vision_core.settings.schema import BlobSettings
-from vision_core.venues.loader import load_settings
-from vision_core.types.prefilter import FORMS, Candidates
 from vision_core.types.colors import ColorTable
+from vision_core.types.prefilter import FORMS, Candidates
 from vision_core.types.tables import Table
+from vision_core.venues.loader import load_settings
 
 Labels = NDArray[np.int64]
 Rows = set[tuple[float, ...]]

@@ -10,8 +10,8 @@ from playwright.sync_api import Browser, Page, expect
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene
 from vision_core.geometry import rotation
 from vision_core.rtdb import records
-from vision_core.venues.loader import load_settings
 from vision_core.types.tracks import RobotTrack
+from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.browser
 

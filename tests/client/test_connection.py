@@ -14,8 +14,8 @@ from vision_core.client.connection import RESTART_S, SILENCE_S
 from vision_core.client.lag import REPORT_S, TO_REPORTS
 from vision_core.clock import ManualClock
 from vision_core.errors import ConnectionRefused
-from vision_core.protocol.lifecycle import State
 from vision_core.protocol.error_codes import MEANINGS, ErrorName
+from vision_core.protocol.lifecycle import State
 from vision_core.protocol.session import Sessions
 from vision_core.types.objects import Team
 

@@ -8,8 +8,8 @@ import pytest
 
 from vision_core.client.lag import REPORT_S, LagReports, receive_stamped, stamp_arrivals
 from vision_core.clock import Instant, after
-from vision_core.protocol.messages import LONGEST_LAG_S, Lag
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.messages import LONGEST_LAG_S, Lag
 
 START = Instant(1_000_000_000)
 DUE = after(START, REPORT_S)

@@ -6,9 +6,9 @@ import sys
 import numpy as np
 import pytest
 
+from vision_core.client.panorama import BALL, COLORS, DARK, FLOOR, FRONT, UNKNOWN, Color, draw_panorama
 from vision_core.geometry import Bytes
 from vision_core.models.mirror import Mirror
-from vision_core.client.panorama import BALL, COLORS, DARK, FLOOR, FRONT, UNKNOWN, Color, draw_panorama
 
 MIRROR = Mirror(4.0187, 0.0125935, 90000.0)
 """Horizon at 108.8 px, one metre at 86.6 px; fits the picture unscaled."""

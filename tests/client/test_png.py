@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vision_core.client.png import write_png
 from vision_core.errors import SourceError
 from vision_core.native.opencv import read_picture
-from vision_core.client.png import write_png
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 3), (5, 7, 3), (240, 320, 3)])

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from vision_core.client.view import view_from_see
+from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.messages import HIDDEN, Ball, See
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import mirror_from
 
 
 def test_the_papers_mirror_is_that_of_the_papers_field() -> None:

@@ -21,10 +21,10 @@ from vision_core.color.light import (
     sums_by_level,
 )
 from vision_core.geometry import Bytes
-from vision_core.settings.schema import LightSettings
-from vision_core.venues.loader import load_settings
 from vision_core.models.from_settings import camera_model_from
+from vision_core.settings.schema import LightSettings
 from vision_core.types.colors import Light
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 CAMERA = camera_model_from(SETTINGS)

@@ -5,13 +5,13 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.conftest import ROOT
-from vision_core.color.prefilter import candidate_test, fit_forms
 from vision_core.color.lookup_table import cell_centers, compile_color_table
+from vision_core.color.prefilter import candidate_test, fit_forms
 from vision_core.color.spaces import hsv_from_bgr
 from vision_core.geometry import Bytes
-from vision_core.venues.loader import load_settings
-from vision_core.types.prefilter import Candidates
 from vision_core.types.colors import ColorTable
+from vision_core.types.prefilter import Candidates
+from vision_core.venues.loader import load_settings
 
 Mask = NDArray[np.bool_]
 VENUES = sorted(path.stem for path in (ROOT / "config" / "venues").glob("*.toml"))

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from vision_core.clock import Instant
-from vision_core.geometry import Bytes
-from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from
 from vision_core.evaluation.overlay import TEAM_COLORS, draw_sightings
+from vision_core.geometry import Bytes
+from vision_core.models.from_settings import camera_model_from
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 CAMERA = camera_model_from(SETTINGS)

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from vision_core.errors import SourceError
-from vision_core.geometry import Floats
-from vision_core.evaluation.score import PictureScore, score_picture, total
 from vision_core.evaluation.assignment import best_pairs
+from vision_core.evaluation.score import PictureScore, score_picture, total
 from vision_core.evaluation.truth_files import load_truth
+from vision_core.geometry import Floats
 
 SMALL = arrays(np.float64, st.tuples(st.integers(0, 4), st.integers(0, 4)), elements=st.floats(0, 20))
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from tests.objects.drawing import CODES, SETTINGS, Picture, overhead_camera
-from vision_core.models.camera import PinholeCamera
 from vision_core.errors import SourceError
+from vision_core.evaluation.stills import detect_files
+from vision_core.models.camera import PinholeCamera
 from vision_core.native.opencv import read_picture, write_picture
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
-from vision_core.evaluation.stills import detect_files
 
 ROSENHEIM = Path(__file__).parents[2].parent / "shared" / "data" / "real" / "ssl-rosenheim"
 WIDTH, HEIGHT = 160, 120

@@ -19,8 +19,8 @@ from app.launch.resource_owners import lock_camera
 from bench.service import RunningService, is_alive, running_service
 from tests.conftest import ROOT
 from vision_core.clock import MonotonicClock
-from vision_core.net.control import attach_to
 from vision_core.native.opencv import write_picture
+from vision_core.net.control import attach_to
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PAPER_CLIENT = ROOT / "bench" / "paper_client.py"

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera, homography
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats
+from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera, homography
 
 GRID: Floats = np.array([(x, y) for x in np.linspace(-1.4, 1.4, 8) for y in np.linspace(-1.1, 1.1, 7)])
 

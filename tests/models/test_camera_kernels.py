@@ -8,11 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.test_camera_model import GRID, cameras
-from vision_core.models.camera_kernels import CameraMap, camera_map_from, field_and_scale, field_from_pixel, pixel_from_field
-from vision_core.models.camera_kernels import pixels_per_square_metre as compiled_scale
-from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
+from tests.models.test_camera import GRID, cameras
 from vision_core.geometry import Floats
+from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
+from vision_core.models.camera_kernels import (
+    CameraMap,
+    camera_map_from,
+    field_and_scale,
+    field_from_pixel,
+    pixel_from_field,
+)
+from vision_core.models.camera_kernels import pixels_per_square_metre as compiled_scale
 
 CORNERS = np.array([[-1.4, -1.15], [1.4, -1.15], [1.4, 1.15], [-1.4, 1.15]])
 HEIGHTS = st.floats(0.0, 0.5)

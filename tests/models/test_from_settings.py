@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from vision_core.venues.loader import load_settings
 from vision_core.models.from_settings import robots_of
 from vision_core.types.objects import Team
+from vision_core.venues.loader import load_settings
 
 
 def test_a_pattern_says_how_large_its_robots_are_and_a_venue_may_change_it(tmp_path: Path) -> None:

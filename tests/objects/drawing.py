@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vision_core.blobs.run_lengths import Segmenter
-from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.geometry import Bytes, Floats, frozen, rotation
+from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.native.kernels import read_only
 from vision_core.patterns.loader import CODE, TEAM, Pattern, load_pattern
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
+from vision_core.venues.loader import load_settings
 
 Color = tuple[int, int, int]
 

@@ -9,8 +9,8 @@ from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_fi
 from vision_core.objects.robots.reasons import Scene
 from vision_core.patterns.loader import Pattern, load_pattern
 from vision_core.settings.schema import Settings, TeamRobotSettings
-from vision_core.venues.loader import config_folder
 from vision_core.types.tables import MOST_ROBOTS, ROBOT, Table
+from vision_core.venues.loader import config_folder
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
 

@@ -16,12 +16,12 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.from_settings import camera_model_from
 from vision_core.native.kernels import read_only
 from vision_core.objects.circle_fit import UNREFINED_SD, center_memory, refined_circle
 from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from
 
 SIZE = 41
 FINE = 8

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from vision_core.geometry import Bytes
-from vision_core.objects.obstacles import ObstacleFinder
-from vision_core.venues.loader import load_settings
 from vision_core.models.from_settings import camera_model_from
+from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.types.objects import BallSighting, RobotSighting, Team
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 CAMERA = camera_model_from(SETTINGS)

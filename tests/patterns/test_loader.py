@@ -6,8 +6,8 @@ import pytest
 
 from vision_core.errors import SettingsError
 from vision_core.patterns.loader import load_pattern, looks
-from vision_core.venues.loader import config_folder
 from vision_core.types.objects import Team
+from vision_core.venues.loader import config_folder
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
 

@@ -9,11 +9,11 @@ from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.geometry import Bytes
 from vision_core.native.opencv import shrink
-from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
+from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
+from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.slow
 

@@ -12,8 +12,8 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import Instant, ManualClock
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
-from vision_core.native.opencv import draw_circle
 from vision_core.models.from_settings import camera_model_from
+from vision_core.native.opencv import draw_circle
 from vision_core.pipeline.perception import Perception
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame

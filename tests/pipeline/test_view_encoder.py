@@ -14,16 +14,16 @@ from msgspec.structs import replace
 
 from tests.views.scenes import AT, SETTINGS, ball, fields, obstacle, random_world, robot, with_squares, world
 from vision_core.clock import Instant
+from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.batch import Batch
+from vision_core.pipeline import view_encoder as module
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.codec import decode_message
 from vision_core.protocol.edge_codes import LetterTable
 from vision_core.protocol.messages import Init, See
 from vision_core.protocol.options import PAPER_OPTIONS, Options, options_from_forms
 from vision_core.protocol.see import ball_from_view, edge_px, see_from_view
-from vision_core.models.from_settings import mirror_from
-from vision_core.pipeline import view_encoder as module
-from vision_core.pipeline.view_encoder import Messages
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import SERVER_WORDS, decode_commands, decode_message, encode, encode_see
+from vision_core.protocol.error_codes import MEANINGS, ErrorName
 from vision_core.protocol.messages import HIDDEN, Ball, Bye, Error, Faulty, Init, InitReply, Lag, Request, See, Warn
 from vision_core.protocol.options import MOST_DIRECTIONS, Options
-from vision_core.protocol.error_codes import MEANINGS, ErrorName
 from vision_core.types.objects import Team
 
 BLUE_3 = Init(Team.BLUE, 3)

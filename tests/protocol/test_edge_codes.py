@@ -7,8 +7,8 @@ import pytest
 from tests.protocol.samples import LETTERS
 from vision_core.errors import SettingsError
 from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
-from vision_core.venues.loader import load_settings
 from vision_core.types.field import EdgeKind
+from vision_core.venues.loader import load_settings
 
 
 def letter(kind: int, types: str) -> str:

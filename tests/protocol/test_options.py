@@ -7,6 +7,7 @@ import pytest
 
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.codec import decode_commands
+from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.messages import Faulty, Init
 from vision_core.protocol.options import (
     LONGEST_DATAGRAM,
@@ -17,7 +18,6 @@ from vision_core.protocol.options import (
     directions_deg,
     ray_indices,
 )
-from vision_core.protocol.error_codes import ErrorName
 
 
 def asked(option: str) -> Options | ErrorName:

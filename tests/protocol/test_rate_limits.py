@@ -1,8 +1,8 @@
 """Buckets, complaints and the bounded table of sources."""
 
 from vision_core.clock import Instant, after
-from vision_core.protocol.rate_limits import Allowance, Sources, TokenBucket
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.rate_limits import Allowance, Sources, TokenBucket
 
 START = Instant(10)
 

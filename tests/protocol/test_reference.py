@@ -7,10 +7,10 @@ import pytest
 
 from tests.protocol.samples import LETTERS
 from vision_core.protocol.codec import COMMANDS, LONGEST_COMMAND, decode_commands, decode_message
+from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.lifecycle import REPORT_PERIOD_S
 from vision_core.protocol.messages import LONGEST_LAG_S, Faulty, Init, See
 from vision_core.protocol.options import MOST_DIRECTIONS, RULES
-from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.session import OFTEN
 
 ROOT = Path(__file__).parents[2]

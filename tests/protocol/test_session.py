@@ -18,8 +18,8 @@ from tests.protocol.samples import (
     rules,
 )
 from vision_core.clock import Instant, after
-from vision_core.protocol.lifecycle import Change, Peer, Port, Session
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.lifecycle import Change, Peer, Port, Session
 from vision_core.protocol.session import Arrival, Refused, Reply, SessionClosed, SessionMoved, SessionOpened, Sessions
 
 INIT = b"(init blue 3)"

@@ -7,16 +7,16 @@ import msgspec
 import numpy as np
 import pytest
 
-from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
-from vision_core.models.field import accepted_half_extent
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera import CameraModel, PinholeCamera
+from vision_core.models.field import accepted_half_extent
+from vision_core.models.from_settings import camera_model_from
 from vision_core.native.opencv import read_picture
 from vision_core.regions.boundary import RAYS, BoundaryFinder
-from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from
 from vision_core.types.regions import FieldBoundary
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 FIELD = msgspec.structs.replace(SETTINGS.field, line_width_m=0.0)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from vision_core.models.from_settings import camera_model_from
 from vision_core.regions.exposure import exposure_check, exposure_reasons, field_pixels
 from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from
 
 SETTINGS = load_settings()
 SIZE = (SETTINGS.camera.width_px, SETTINGS.camera.height_px)

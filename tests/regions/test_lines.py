@@ -4,15 +4,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
+from vision_core.models.camera import PinholeCamera
+from vision_core.models.from_settings import camera_model_from
 from vision_core.regions.lines import line_check, line_reasons
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from
 from vision_core.types.regions import LineCheck
+from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.slow
 

@@ -8,9 +8,9 @@ from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, ProcessInfo, ServiceInfo
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.store import Store, create_block
-from vision_core.venues.loader import load_settings
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, RobotTrack, World
+from vision_core.venues.loader import load_settings
 
 T = TypeVar("T")
 

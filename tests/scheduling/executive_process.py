@@ -12,10 +12,10 @@ from typing import Any
 
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.rtdb.infos import Proposal, ProposedSettings
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.store import create_block
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.scheduling.executive import Executive
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.releases import Release

@@ -9,10 +9,10 @@ import pytest
 
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import create_block
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.task import PERIOD, Task
 from vision_core.venues.loader import load_settings

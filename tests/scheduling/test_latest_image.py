@@ -5,9 +5,9 @@ from typing import Any
 
 from vision_core.clock import Instant, ManualClock
 from vision_core.rtdb.slots import READ_TRIES, Glance
+from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import Release
 from vision_core.venues.loader import load_settings
-from vision_core.scheduling.latest_image import Images
 
 SETTINGS = load_settings()
 CAMERA = SETTINGS.camera

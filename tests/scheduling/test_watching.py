@@ -11,15 +11,15 @@ from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock, MonotonicClock, after
 from vision_core.geometry import Bytes
 from vision_core.rtdb import records
-from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.store import create_block
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import PERIOD, Task
-from vision_core.venues.loader import load_settings
 from vision_core.tasks import boundary, colors, exposure, lines
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, LineCheck
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 CAMERA = SETTINGS.camera

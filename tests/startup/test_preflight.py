@@ -7,8 +7,8 @@ import msgspec
 import pytest
 
 from vision_core.errors import SettingsError
-from vision_core.venues.loader import load_settings
 from vision_core.startup.preflight import check_tasks, main
+from vision_core.venues.loader import load_settings
 
 WRONG: list[tuple[dict[str, Any], str]] = [
     ({"protocol.letters.wall": "x"}, "'x' means wall too"),

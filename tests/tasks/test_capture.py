@@ -11,17 +11,17 @@ import pytest
 
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.native.opencv import write_picture
-from vision_core.timing.rate_keeper import OrderedKeeper
 from vision_core.rtdb import records
-from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.rtdb.infos import Exposure, Order
 from vision_core.rtdb.store import create_block
+from vision_core.scheduling.attachment import Attachment, HandDown
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
 from vision_core.tasks import capture, source
 from vision_core.tasks.table import record_specs, task_table
+from vision_core.timing.rate_keeper import OrderedKeeper
+from vision_core.venues.loader import load_settings
 
 RATE_HZ = 50.0
 

@@ -6,8 +6,8 @@ import pytest
 
 from vision_core.errors import SettingsError
 from vision_core.scheduling.checks import problems, warnings
-from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
 from vision_core.tasks.table import GIVEN, check_table, record_specs, task_table
+from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
 
 DEVICE = load_settings(options={"source.uri": "camera:0"})
 

@@ -8,12 +8,12 @@ from msgspec.structs import replace
 
 from vision_core.clock import Instant, after
 from vision_core.geometry import Floats
-from vision_core.venues.loader import load_settings
 from vision_core.tracks.filters import density_from_acceleration, start_variance
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import SightingsTable
 from vision_core.types.tracks import World
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 START = Instant(5_000_000_000)

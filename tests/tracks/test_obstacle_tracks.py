@@ -10,11 +10,11 @@ from msgspec.structs import replace
 from vision_core.clock import Instant, after
 from vision_core.geometry import Floats
 from vision_core.settings.schema import RobotSettings, TeamRobotSettings
-from vision_core.venues.loader import load_settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import MOST_OBSTACLES, SightingsTable, obstacle_table
 from vision_core.types.tracks import World
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 VALIDITY_S = SETTINGS.tracks.obstacle_validity_ms / 1000.0

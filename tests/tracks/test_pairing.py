@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vision_core.venues.loader import load_settings
 from vision_core.tracks.pairing import pair_nearest, reach_m2
 from vision_core.tracks.state import rules_from, state_of_nothing
 from vision_core.types.tables import NO_ID, SightingsTable
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 RULES = rules_from(SETTINGS.tracks, SETTINGS.robots)

@@ -4,10 +4,10 @@ import tracemalloc
 from typing import Any
 
 from vision_core.clock import Instant, after
-from vision_core.venues.loader import load_settings
 from vision_core.tracks.tracker import Tracker, follow, tell
 from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import SightingsTable, obstacle_table
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 START = Instant(5_000_000_000)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from vision_core.clock import Instant, after, seconds_between
-from vision_core.venues.loader import load_settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import MOST_ROBOTS, SightingsTable
 from vision_core.types.tracks import RobotTrack, World
+from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings().tracks
 ROBOTS = load_settings().robots

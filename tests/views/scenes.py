@@ -8,11 +8,11 @@ from msgspec.structs import replace
 
 from vision_core.clock import Instant
 from vision_core.settings.schema import FieldSettings, Settings, TeamRobotSettings
-from vision_core.venues.loader import load_settings
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
 from vision_core.types.views import RobotView
+from vision_core.venues.loader import load_settings
 from vision_core.views.renderer import Eyes, viewer_of
 
 SETTINGS = load_settings()

@@ -9,8 +9,8 @@ import pytest
 from tests.views import brute_force
 from tests.views.scenes import BALL_RADIUS, Observer, fields, random_world, with_squares
 from vision_core.models.field import accepted_half_extent, field_segments
-from vision_core.settings.schema import FieldSettings
 from vision_core.models.from_settings import robots_of
+from vision_core.settings.schema import FieldSettings
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tracks import World

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.blobs.flood import BROKE_OFF, STACK_COLUMNS, flood, is_visited
-from vision_core.blobs.simd import LANES, any_class, candidate_bits, prefetch, write_cells
 from vision_core.blobs.run_lengths import RunMemory, run_memory, segment_runs
+from vision_core.blobs.simd import LANES, any_class, candidate_bits, prefetch, write_cells
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel, read_only
 from vision_core.settings.schema import BlobSettings
-from vision_core.types.prefilter import Candidates
 from vision_core.types.colors import ColorTable
+from vision_core.types.prefilter import Candidates
 from vision_core.types.tables import BLOB, Table
 
 LEFT, TOP, RIGHT, BOTTOM = range(4)

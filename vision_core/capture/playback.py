@@ -10,8 +10,8 @@ from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
 from vision_core.native.opencv import Video, open_video, read_picture
-from vision_core.timing.rate_keeper import Keeper, rate_keeper
 from vision_core.settings.schema import CameraSettings
+from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
 MOST_KEPT = 512 * 1024 * 1024
 """Of decoded pictures [bytes]: a folder is shown at any rate, without decoding it again and again."""

@@ -6,8 +6,8 @@ from typing import Protocol
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
-from vision_core.timing.rate_keeper import Keeper
 from vision_core.settings.schema import Settings
+from vision_core.timing.rate_keeper import Keeper
 
 DEVICE = "camera"
 ACCEPTED = "synthetic, file:<picture, folder or video>, camera:<number or path of the device>"

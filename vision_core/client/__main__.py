@@ -82,8 +82,8 @@ def sentence_from_view(view: View) -> str:
 
 def draw(view: View, robot: Connection, path: Path) -> None:
     """Write the view as the simulated on-board picture of the paper's figure 6."""
-    from vision_core.client.png import write_png
     from vision_core.client.panorama import draw_panorama
+    from vision_core.client.png import write_png
 
     options, ball = robot.init.options, view.ball
     whole_deg = ball.size_deg * (2.0 if options.size == "half" else 1.0)

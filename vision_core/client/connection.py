@@ -12,9 +12,9 @@ from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_bet
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import LONGEST_ANSWER, decode_message, encode
+from vision_core.protocol.error_codes import MEANINGS
 from vision_core.protocol.messages import Bye, Error, Init, InitReply, See, ServerMessage
 from vision_core.protocol.options import PAPER_OPTIONS, Options
-from vision_core.protocol.error_codes import MEANINGS
 from vision_core.types.objects import Team
 
 RETRY_S = 0.3

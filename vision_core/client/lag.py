@@ -14,8 +14,8 @@ import time
 from collections import deque
 
 from vision_core.clock import NS_PER_S, Instant, seconds_between
-from vision_core.protocol.messages import LONGEST_LAG_S, Lag
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.messages import LONGEST_LAG_S, Lag
 
 REPORT_S = 1.0
 """Between two reports."""

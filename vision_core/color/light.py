@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.models.camera import CameraModel
 from vision_core.clock import NS_PER_S, Instant
-from vision_core.models.field import accepted_half_extent
 from vision_core.geometry import Bytes, frozen
+from vision_core.models.camera import CameraModel
+from vision_core.models.field import accepted_half_extent
 from vision_core.native.kernels import kernel, read_only
 from vision_core.settings.schema import FieldSettings, LightSettings, Settings
 from vision_core.types.colors import Levels, Light

@@ -10,8 +10,8 @@ import numpy as np
 
 from vision_core.geometry import Bytes, frozen
 from vision_core.native.kernels import kernel
-from vision_core.types.prefilter import FORMS, Candidates
 from vision_core.types.colors import ColorTable
+from vision_core.types.prefilter import FORMS, Candidates
 
 LIGHT, DARK = 6, 7
 LEAST_CHROMA = 8

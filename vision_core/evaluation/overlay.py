@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from vision_core.geometry import Bytes, Floats, rotation
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import painted_points
-from vision_core.geometry import Bytes, Floats, rotation
+from vision_core.models.from_settings import robots_of
 from vision_core.native.opencv import Color, draw_circle, draw_line, draw_text, text_size
 from vision_core.settings.schema import Settings, TeamRobotSettings
-from vision_core.models.from_settings import robots_of
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting, Sightings, Team
 

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from vision_core.errors import SourceError
-from vision_core.geometry import Floats
-from vision_core.native.opencv import Color, draw_circle, draw_text, read_picture, write_picture
-from vision_core.settings.schema import Settings
 from vision_core.evaluation.assignment import best_pairs
 from vision_core.evaluation.stills import detect_files
 from vision_core.evaluation.truth_files import PictureTruth, TrueRobot
+from vision_core.geometry import Floats
+from vision_core.native.opencv import Color, draw_circle, draw_text, read_picture, write_picture
+from vision_core.settings.schema import Settings
 
 Found = dict[str, Any]
 """A sighting as ``detect_files`` gives it."""

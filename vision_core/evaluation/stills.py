@@ -8,12 +8,12 @@ import msgspec
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.pictures import axis_pictures
 from vision_core.errors import PslvError, SourceError
-from vision_core.native.opencv import read_picture, write_picture
-from vision_core.settings.schema import Settings
-from vision_core.pipeline.diagnosis import reasons_of
-from vision_core.tasks.obstacles import finder_from
 from vision_core.evaluation.overlay import draw_classes, draw_sightings
+from vision_core.native.opencv import read_picture, write_picture
+from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
+from vision_core.settings.schema import Settings
+from vision_core.tasks.obstacles import finder_from
 from vision_core.types.image import ImageFrame
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vision_core.models.camera import STEP_M, CameraModel, HomographyCamera, PinholeCamera
 from vision_core.geometry import Floats, frozen
+from vision_core.models.camera import STEP_M, CameraModel, HomographyCamera, PinholeCamera
 from vision_core.native.kernels import kernel
 
 NEWTON_STEPS = 20

@@ -6,23 +6,23 @@ the camera model says how many pixels such a thing must have there. So one set o
 field's center and its corners, and for a camera of any resolution.
 
 *Robots*: hypotheses compete. A marker is a patch in the team's color, the anchor, and other patches in slots round it
-(``markers``). Every blob that may be an anchor is paired with every blob in reach and every slot that this might
-fill; each such pair fixes a heading, gathers the blobs that then fall into place, and is fitted rigidly to all of
-them (``proposals``, ``hypotheses``). One score, 0..1, decides: the share of the marker's painted area that is there *
-how well the patches fit * how right their sizes are * how well the anchor's shape agrees with the heading
-(``shapes``). Best first, a blob serves once, no two robots stand in one another (``contest``). An anchor whose other
-patches are not read is a robot without an id, if it is enough of the marker. Winners' patch centers are refined
-(``centers``), and pose and deviations come from all of them (``poses``). The score is the sighting's confidence.
+(``markers``). Every blob that may be an anchor is paired with every blob in reach and every slot that this might fill;
+each such pair fixes a heading, gathers the blobs that then fall into place, and is fitted rigidly to all of them
+(``hypothesis_generation``, ``pose_fit``). One score, 0..1, decides: the share of the marker's painted area that is
+there * how well the patches fit * how right their sizes are * how well the anchor's shape agrees with the heading
+(``shapes``). Best first, a blob serves once, no two robots stand in one another (``conflict_resolution``). An anchor
+whose other patches are not read is a robot without an id, if it is enough of the marker. Winners' patch centers are
+refined (``circle_fit``), and pose and deviations come from all of them (``pose_refinement``). The score is the
+sighting's confidence.
 
-*Ball*: a sequence of gates (``balls``); a blob that passes all of them is a ball, and its center is refined like a
-patch's.
+*Ball*: a sequence of gates (``ball.finder``); a blob that passes all of them is a ball, and its center is refined like
+a patch's.
 
 *Obstacles*: what differs from the carpet that was learned, and is none of these (``obstacles``). Off the hot path.
 
 What cannot be told is said, not guessed: a robot without a readable marker has id NO_ID, and so have two robots that
-wear the same one. ``robot_reasons`` and ``ball_reasons`` ask the same kernels, and say in words why nothing is seen
+wear the same one. ``reasons`` in both folders asks the same kernels, and says in words why nothing is seen
 or read.
 
-Files, outside in: ``robot_finder``, ``proposals``, ``hypotheses``, ``contest``, ``poses``, ``markers``, ``shapes``,
-``finder_memory``; ``balls``; ``centers``; ``obstacles``; for people: ``robot_reasons``, ``ball_reasons``.
+Folders and files: ``robots/``, ``ball/``, ``circle_fit`` (centers finer than a pixel), ``obstacles``.
 """

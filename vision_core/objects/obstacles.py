@@ -16,9 +16,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import accepted_half_extent, painted_points
-from vision_core.geometry import Bytes, Floats
 from vision_core.native.opencv import connected_regions, median_filtered
 from vision_core.settings.schema import FieldSettings, ObstacleSettings, RobotShape
 from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting

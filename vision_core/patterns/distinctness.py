@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.geometry import Floats
-from vision_core.patterns.loader import Pattern, looks
 from vision_core.patterns.geometry import Shape, depth_mm, middle_mm, rim_mm, turned_mm, turns_onto_itself, width_mm
+from vision_core.patterns.loader import Pattern, looks
 from vision_core.types.objects import Team
 
 LEAST_PX = 5.0

@@ -25,8 +25,8 @@ from vision_core.patterns.geometry import (
     width_mm,
 )
 from vision_core.settings.schema import Point2, Record, RobotShape
-from vision_core.venues.loader import Layer, find_file, read_layer
 from vision_core.types.objects import Team
+from vision_core.venues.loader import Layer, find_file, read_layer
 
 TEAM, CODE = "team", "code"
 """Colors of patches that differ from robot to robot; any other color is a color class that all wear."""

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from fpdf import FPDF
 
-from vision_core.capture.synthetic.render import PAINTS_BGR
 from vision_core.errors import SettingsError, SourceError
-from vision_core.patterns.loader import Pattern
 from vision_core.patterns.geometry import reach_mm
+from vision_core.patterns.loader import Pattern
+from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.types.objects import Team
 
 PAGE_MM = (210.0, 297.0)

@@ -10,9 +10,9 @@ from vision_core.native.kernels import keep
 from vision_core.objects.ball.reasons import explain_balls
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.reasons import Scene, explain_robots
+from vision_core.pipeline.perception import Perception, perceive_picture
 from vision_core.regions.exposure import exposure_reasons, field_pixels
 from vision_core.regions.lines import line_reasons
-from vision_core.pipeline.perception import Perception, perceive_picture
 from vision_core.types.objects import Sightings
 from vision_core.types.tables import SightingsTable, Table
 

@@ -10,22 +10,22 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from vision_core.blobs.rows import SegmentMemory, least_height_px, segment_memory, segment_picture
-from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_from_field, pixels_per_square_metre
 from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock
-from vision_core.color.prefilter import candidate_test
 from vision_core.color.light import Lighting
 from vision_core.color.lookup_table import compile_color_table, keep_classes
-from vision_core.models.field import accepted_half_extent
+from vision_core.color.prefilter import candidate_test
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_from_field, pixels_per_square_metre
+from vision_core.models.field import accepted_half_extent
+from vision_core.models.from_settings import camera_model_from, robots_of
 from vision_core.native.kernels import Kept, keep, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.geometry import width_mm
+from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import camera_model_from, robots_of
-from vision_core.types.prefilter import Candidates
 from vision_core.types.image import ImageFrame
+from vision_core.types.prefilter import Candidates
 from vision_core.types.tables import BLOB, MOST_BALLS, MOST_ROBOTS, TEAMS, SightingsTable, Table
 
 Row: TypeAlias = Any

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vision_core.geometry import Bytes, Floats
-from vision_core.native.kernels import kernel
 from vision_core.models.mirror import MM_PER_M
+from vision_core.native.kernels import kernel
 from vision_core.protocol.messages import NOTHING_PX
 from vision_core.protocol.see import FARTHEST_M
 from vision_core.views.outlines import Row

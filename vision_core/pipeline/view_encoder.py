@@ -12,15 +12,15 @@ import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
-from vision_core.native.kernels import Kept, keep, kernel
+from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import Mirror
+from vision_core.native.kernels import Kept, keep, kernel
 from vision_core.net.batch import Batch
+from vision_core.pipeline.see_kernels import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
 from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
 from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import mirror_from
-from vision_core.pipeline.see_kernels import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
 from vision_core.types.objects import Team
 from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, Table, ViewsTable, WorldTable
 from vision_core.views.outlines import Integers

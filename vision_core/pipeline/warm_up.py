@@ -9,11 +9,11 @@ import numpy as np
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.net.batch import Batch, Lines
+from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.scheduling.attachment import end_with
 from vision_core.settings.schema import Settings
-from vision_core.pipeline.diagnosis import reasons_of
-from vision_core.pipeline.view_encoder import Messages
-from vision_core.pipeline.perception import Perception
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from vision_core.protocol.s_expressions import SPACE, Form, integer, parse_forms, real
+from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.messages import (
     LARGEST_NUMBER,
     US_PER_S,
@@ -28,7 +28,7 @@ from vision_core.protocol.messages import (
     Warn,
 )
 from vision_core.protocol.options import encode_options, options_from_forms
-from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.s_expressions import SPACE, Form, integer, parse_forms, real
 from vision_core.types.objects import Team
 
 LONGEST_COMMAND = 1024

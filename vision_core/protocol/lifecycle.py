@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from vision_core.clock import NS_PER_S, Instant, seconds_between
 from vision_core.protocol.codec import decode_commands, encode
-from vision_core.protocol.rate_limits import Allowance
 from vision_core.protocol.messages import LONGEST_LAG_S, Init, Lag
+from vision_core.protocol.rate_limits import Allowance
 from vision_core.types.objects import Team
 
 NS_PER_TICK = {"ms": 1_000_000, "us": 1_000}

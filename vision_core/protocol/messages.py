@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
 
 US_PER_S = 1_000_000

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats, frozen
 from vision_core.models.mirror import Mirror
-from vision_core.protocol.s_expressions import Form, integer, real
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.s_expressions import Form, integer, real
 
 HIGHEST_VERSION = 1
 """A client that asks for more is answered with this."""

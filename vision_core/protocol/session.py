@@ -15,10 +15,10 @@ from vision_core.errors import SettingsError
 from vision_core.models.mirror import check_span
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.codec import LONGEST_COMMAND, decode_commands, encode
-from vision_core.protocol.lifecycle import Change, Peer, Port, Session, State
-from vision_core.protocol.rate_limits import Allowance, Sources, TokenBucket
-from vision_core.protocol.messages import Bye, Command, Error, Faulty, Init, InitReply, Lag, Warn
 from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.lifecycle import Change, Peer, Port, Session, State
+from vision_core.protocol.messages import Bye, Command, Error, Faulty, Init, InitReply, Lag, Warn
+from vision_core.protocol.rate_limits import Allowance, Sources, TokenBucket
 from vision_core.types.objects import Team
 
 INITS_PER_S = 50.0

@@ -16,9 +16,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import field_segments
-from vision_core.geometry import Bytes, Floats
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.field import EdgeKind, Segment
 from vision_core.types.regions import FieldBoundary

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import accepted_half_extent
-from vision_core.geometry import Bytes, Floats
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.regions import ExposureCheck
 

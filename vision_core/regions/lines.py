@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import painted_points
-from vision_core.geometry import Bytes, Floats
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.regions import LineCheck
 

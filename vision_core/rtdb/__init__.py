@@ -10,7 +10,6 @@ sequence again; with four slots it is overtaken only if it sleeps for three whol
 Rules: every read says value, age and validity; there is no read without an age. A record's payload is
 bytes; ``records`` says what they mean.
 
-Files, outside-in: ``records`` (names, types and codecs of all records), ``attachment`` (how a child
-process gets hold of what the supervisor made), ``store`` (the block), ``slots`` (one record's ring),
-``layout`` (where everything lies).
+Files, outside-in: ``records`` (names, types and codecs of all records), ``store`` (the block), ``slots``
+(one record's ring), ``layout`` (where everything lies).
 """

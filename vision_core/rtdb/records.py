@@ -29,7 +29,6 @@
 
 import msgspec
 
-from vision_core.timing.histogram import size_of
 from vision_core.rtdb.infos import (
     LAGS,
     TIMINGS,
@@ -45,6 +44,7 @@ from vision_core.rtdb.infos import (
 )
 from vision_core.rtdb.items import Item, packed, tabled
 from vision_core.rtdb.layout import RecordSpec
+from vision_core.timing.histogram import size_of
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 from vision_core.types.tables import SightingsTable, ViewsTable, WorldTable

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, after, seconds_between
 from vision_core.rtdb import records
-from vision_core.scheduling.attachment import Attachment
 from vision_core.rtdb.infos import Proposal
 from vision_core.rtdb.slots import SlotWriter
-from vision_core.scheduling.metrics import Gauge
+from vision_core.scheduling.attachment import Attachment
 from vision_core.scheduling.handle import BEAT_EVERY_S, Handle, Step
+from vision_core.scheduling.metrics import Gauge
 from vision_core.scheduling.realtime import (
     ask_priority,
     exact_timers,

@@ -9,9 +9,9 @@ from typing import TypeAlias, TypeVar
 
 from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import ServiceError
-from vision_core.scheduling.attachment import Attachment
 from vision_core.rtdb.items import Item, ItemReader, ItemWriter
 from vision_core.rtdb.slots import SlotReader, SlotWriter
+from vision_core.scheduling.attachment import Attachment
 from vision_core.scheduling.realtime import sleep_until
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import Task

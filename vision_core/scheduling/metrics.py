@@ -5,13 +5,13 @@ import os
 from collections import deque
 
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant
-from vision_core.timing.histogram import Histograms
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import TIMINGS, TaskInfo
 from vision_core.rtdb.store import Store
-from vision_core.timing.running_rate import RunningRate
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import Task
+from vision_core.timing.histogram import Histograms
+from vision_core.timing.running_rate import RunningRate
 
 PUBLISH_EVERY_NS = NS_PER_S // 2
 INTERVALS_KEPT = 256

@@ -13,8 +13,8 @@ import time
 from dataclasses import asdict
 
 from vision_core.clock import NS_PER_S, Instant
-from vision_core.scheduling.attachment import end_with
 from vision_core.rtdb.infos import SelfTest
+from vision_core.scheduling.attachment import end_with
 from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory, sleep_until
 
 DURATION_S = 2.0

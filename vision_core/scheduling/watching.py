@@ -8,8 +8,8 @@ import numpy as np
 from vision_core.geometry import Bytes
 from vision_core.rtdb.items import Item
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
 from vision_core.scheduling.latest_image import Images
+from vision_core.scheduling.releases import Release
 from vision_core.types.regions import Finding
 
 T = TypeVar("T")

@@ -13,11 +13,11 @@ from vision_core.capture.playback import Pictures
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import PslvError
+from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.admission import Admission
 from vision_core.scheduling.attachment import end_with
 from vision_core.settings.schema import Settings
-from vision_core.pipeline.view_encoder import Messages
-from vision_core.pipeline.perception import Perception
 
 
 def main() -> int:

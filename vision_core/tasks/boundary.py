@@ -1,9 +1,9 @@
 """Task: images -> where the field ends in them, beside where the venue says that it does."""
 
+from vision_core.models.from_settings import camera_model_from
 from vision_core.regions.boundary import BoundaryFinder
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.models.from_settings import camera_model_from
 from vision_core.scheduling.watching import watching
 
 

@@ -15,11 +15,11 @@ import numpy as np
 from vision_core.capture.source import Source, is_device, open_source
 from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SourceError
-from vision_core.timing.rate_keeper import RateKeeper
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Order, SourceInfo
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
+from vision_core.timing.rate_keeper import RateKeeper
 
 REOPEN_EVERY_S = 1.0
 PATIENCE_S = 1.0

@@ -2,9 +2,9 @@
 
 from vision_core.color.light import field_samples, light_of
 from vision_core.geometry import Bytes
+from vision_core.models.from_settings import camera_model_from
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.models.from_settings import camera_model_from
 from vision_core.scheduling.watching import watching
 from vision_core.types.regions import ColorDrift
 

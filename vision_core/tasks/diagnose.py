@@ -1,11 +1,11 @@
 """Task: images -> why nothing or too little is seen. Looks at one image now and then, when there is time."""
 
+from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
-from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.scheduling.latest_image import Images
-from vision_core.pipeline.perception import Perception
+from vision_core.scheduling.releases import Release
 from vision_core.types.objects import Diagnosis
 
 

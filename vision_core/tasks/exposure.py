@@ -1,10 +1,10 @@
 """Task: images -> how light the field is in them, and what is wrong with that."""
 
 from vision_core.geometry import Bytes
+from vision_core.models.from_settings import camera_model_from
 from vision_core.regions.exposure import exposure_check, field_pixels
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.models.from_settings import camera_model_from
 from vision_core.scheduling.watching import watching
 from vision_core.types.regions import ExposureCheck
 

@@ -1,10 +1,10 @@
 """Task: images -> whether the painted lines are where they should be: has the camera been bumped?"""
 
 from vision_core.geometry import Bytes
+from vision_core.models.from_settings import camera_model_from
 from vision_core.regions.lines import line_check
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.models.from_settings import camera_model_from
 from vision_core.scheduling.watching import watching
 from vision_core.types.regions import LineCheck
 

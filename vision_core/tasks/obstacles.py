@@ -1,12 +1,12 @@
 """Task: images -> obstacles. Less often than frames come; the tracker predicts them in between."""
 
+from vision_core.models.from_settings import camera_model_from
 from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import Release
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import camera_model_from
-from vision_core.scheduling.latest_image import Images
 from vision_core.types.objects import Obstacles
 
 

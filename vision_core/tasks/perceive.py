@@ -7,12 +7,12 @@ image that was overwritten meanwhile is thrown away and counted.
 
 import numpy as np
 
+from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.rtdb.slots import Glance
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.settings.schema import CameraSettings
-from vision_core.pipeline.perception import Perception
 from vision_core.types.image import ImageFrame
 
 

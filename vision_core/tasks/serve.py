@@ -10,19 +10,19 @@ from collections import deque
 
 from vision_core.clock import NS_PER_S, Instant, seconds_between
 from vision_core.models.field import diagonal_m
-from vision_core.timing.histogram import Histograms
 from vision_core.net.server import Served, UdpServer
 from vision_core.net.udp import adopted
+from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.session import Event, Refused, Rules, Sessions
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, ClientInfo, Serving
-from vision_core.timing.running_rate import RunningRate
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.settings.schema import Settings
-from vision_core.pipeline.view_encoder import Messages
-from vision_core.pipeline.warm_up import views as warm_up_views
+from vision_core.timing.histogram import Histograms
+from vision_core.timing.running_rate import RunningRate
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.tables import SightingsTable, Table, obstacle_table
 

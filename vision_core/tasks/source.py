@@ -9,11 +9,11 @@ import numpy as np
 from vision_core.capture.source import Played, open_played
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.errors import SourceError
-from vision_core.timing.rate_keeper import OrderedKeeper
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Exposure
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.tasks.capture import REOPEN_EVERY_S, info_of
+from vision_core.timing.rate_keeper import OrderedKeeper
 
 
 def start(handle: Handle) -> Step:

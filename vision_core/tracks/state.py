@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vision_core.clock import NS_PER_MS
-from vision_core.settings.schema import RobotSettings, TrackSettings
 from vision_core.models.from_settings import robots_of
+from vision_core.settings.schema import RobotSettings, TrackSettings
 from vision_core.tracks.filters import density_from_acceleration, start_variance
 from vision_core.types.tables import MOST_BALLS, MOST_OBSTACLES, MOST_ROBOTS, TEAMS, Table
 

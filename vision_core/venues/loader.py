@@ -45,7 +45,7 @@ class Layer:
 @cache
 def config_folder() -> Path:
     """The shipped ``config`` folder: inside the wheel, or beside the package in a checkout."""
-    package = Path(__file__).parent
+    package = Path(__file__).parents[1]
     inside = package / "config"
     return inside if inside.is_dir() else package.parent / "config"
 

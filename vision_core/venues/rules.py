@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from vision_core.errors import SettingsError
 from vision_core.models.field import diagonal_m
+from vision_core.models.from_settings import camera_model_from, mirror_from
 from vision_core.models.mirror import check_span
 from vision_core.settings.schema import ColorRange, HomographySettings, Settings
-from vision_core.models.from_settings import camera_model_from, mirror_from
 
 SPACE_KEYS = {
     "hsv": {"hue_deg", "saturation", "value"},

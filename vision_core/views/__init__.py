@@ -3,9 +3,9 @@
 After section 3.3 of the PSLV paper: in each direction the nearest edge on the floor, and the ball, which is
 no edge. Theory of operation, files from the outside in:
 
-``eyes``
+``renderer``
     :class:`~vision_core.views.renderer.Eyes`: a world in, what every robot sees out, in one compiled call.
-``bodies``
+``outlines``
     everything of a world that stands in the way, laid out once for all robots.
 ``splat``
     the nearest edge of every ray: walls for all rays, then each body for the rays that it can meet.
@@ -13,9 +13,6 @@ no edge. Theory of operation, files from the outside in:
     how much of the ball is visible, by interval arithmetic on angles.
 ``rays``
     where a ray meets a segment.
-``panorama``
-    draws what arrived on the wire as the on-board picture of the paper's figure 6. It works on the client's side:
-    NumPy alone, which is why this module imports nothing.
 
 Rules:
 

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vision_core.models.field import accepted_half_extent, field_segments
 from vision_core.geometry import Bytes, Floats, frozen
+from vision_core.models.field import accepted_half_extent, field_segments
+from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import kernel
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import robots_of
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, TEAM_NUMBER, TEAMS, Table, WorldTable

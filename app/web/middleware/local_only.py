@@ -13,8 +13,8 @@ from starlette.datastructures import Headers
 from starlette.requests import Request
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.web.problems import problem_response
 from app.web.middleware.security_headers import is_same_origin
+from app.web.problems import problem_response
 
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
 JSON = "application/json"

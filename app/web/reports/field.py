@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 
 from app.web.reports.base import Report
+from vision_core.geometry import Floats, rotation
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import field_lines, field_segments, painted_points
-from vision_core.geometry import Floats, rotation
+from vision_core.models.from_settings import camera_model_from, mirror_from, robots_of
 from vision_core.models.mirror import LARGEST_PX
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import camera_model_from, mirror_from, robots_of
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
 

@@ -9,7 +9,7 @@ from vision_core.rtdb.infos import ProcessInfo
 
 COMPILER = "compile"
 NEEDED = ("source", "capture", "perceive", "serve")
-"""Tasks without which no robot is served. All others watch, explain or stand by: see ``app.web.reports.degradation``."""
+"""Tasks without which no robot is served. All others watch or explain: see ``degradation``."""
 LEAST_PATIENCE_S = 0.25
 PATIENCE_PERIODS = 3.0
 """An image is old when this many have failed to come, and never before LEAST_PATIENCE_S."""

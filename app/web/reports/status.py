@@ -4,8 +4,6 @@ from collections.abc import Iterable
 from statistics import median
 
 from app.web.blackboard import Readings
-from app.web.reports.degradation import degradations
-from app.web.reports.readiness import reasons_not_ready
 from app.web.reports.base import (
     Boundary,
     Camera,
@@ -20,6 +18,8 @@ from app.web.reports.base import (
     Report,
     Source,
 )
+from app.web.reports.degradation import degradations
+from app.web.reports.readiness import reasons_not_ready
 from vision_core.clock import seconds_between
 from vision_core.rtdb.infos import ClientInfo, ProcessInfo, SelfTest, Serving, SourceInfo
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from app.web.blackboard import Timings
 from app.web.reports.base import Report
-from vision_core.timing.histogram import EDGES_S, Counts, quantile_s
 from vision_core.rtdb.items import Timed
+from vision_core.timing.histogram import EDGES_S, Counts, quantile_s
 
 MS_PER_S = 1e3
 DIGITS = 6

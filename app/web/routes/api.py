@@ -3,8 +3,8 @@
 from fastapi import APIRouter, HTTPException, Response
 
 from app.web.blackboard import Blackboard
-from app.web.reports.field import Field, field_from
 from app.web.problems import MEDIA_TYPE, Problem
+from app.web.reports.field import Field, field_from
 from app.web.reports.status import Status, status_from
 from vision_core.native.opencv import encode_jpeg
 

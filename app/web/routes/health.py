@@ -3,9 +3,9 @@
 from fastapi import APIRouter, Response, status
 
 from app.web.blackboard import Blackboard
+from app.web.reports.base import Report
 from app.web.reports.degradation import degradations
 from app.web.reports.readiness import reasons_not_ready
-from app.web.reports.base import Report
 
 
 class Health(Report):

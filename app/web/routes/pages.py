@@ -15,7 +15,7 @@ def web_folder() -> Path:
     """The page's files: inside the wheel, or beside the package in a checkout."""
     assert app.__file__ is not None
     package = Path(app.__file__).parent
-    inside = package / "web"
+    inside = package / "web" / "static"
     return inside if inside.is_dir() else package.parent / "web"
 
 

@@ -6,8 +6,8 @@ from typing import Any
 from fastapi import APIRouter
 
 from app.web.blackboard import Blackboard
-from app.web.problems import MEDIA_TYPE, Problem, RequestRefused
 from app.web.overrides import Proposals
+from app.web.problems import MEDIA_TYPE, Problem, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.tasks import Task, Wish, task_from, tasks_from
 

@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.physics import no_bodies
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.geometry import Bytes, Floats
-from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
+from vision_core.models.camera import PinholeCamera
 from vision_core.models.from_settings import camera_model_from
+from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
+from vision_core.venues.loader import load_settings
 
 PLAIN = {
     "synthetic.read_noise": 0.0,

@@ -6,14 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.capture.synthetic.scenes import pinhole, plain_settings, render, scene
-from vision_core.capture.synthetic.render import BODY_BGR, PAINTS_BGR, PLATE_BGR
+from vision_core.capture.synthetic.render import BODY_BGR, PLATE_BGR
 from vision_core.capture.synthetic.sprites import meets_square, polygon_depth
 from vision_core.capture.synthetic.truth import visible_share
 from vision_core.geometry import rotation
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.geometry import depth_mm, inner_points_mm
-from vision_core.venues.loader import config_folder
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.types.objects import Team
+from vision_core.venues.loader import config_folder
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
 CLOSE = {

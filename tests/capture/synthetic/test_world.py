@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from vision_core.capture.synthetic.world import Snapshot, World
-from vision_core.models.field import accepted_half_extent, goal_line_x
 from vision_core.geometry import Floats
+from vision_core.models.field import accepted_half_extent, goal_line_x
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
 

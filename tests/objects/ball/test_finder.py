@@ -9,21 +9,21 @@ import pytest
 
 from tests.objects.drawing import SETTINGS, TABLE, Picture, overhead_camera
 from vision_core.blobs.run_lengths import Segmenter
-from vision_core.models.camera_kernels import camera_map_from
-from vision_core.models.camera import CameraModel
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes
-from vision_core.native.kernels import read_only
-from vision_core.objects.ball.reasons import explain_balls
-from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
-from vision_core.settings.schema import BallSettings, ColorRange, FieldSettings, Settings
-from vision_core.venues.loader import load_settings
+from vision_core.models.camera import CameraModel
+from vision_core.models.camera_kernels import camera_map_from
 from vision_core.models.from_settings import camera_model_from
+from vision_core.native.kernels import read_only
+from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
+from vision_core.objects.ball.reasons import explain_balls
+from vision_core.settings.schema import BallSettings, ColorRange, FieldSettings, Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import BALL, MOST_BALLS, ROBOT, Table
+from vision_core.venues.loader import load_settings
 
 WIDTH, HEIGHT = 100, 80
 RADIUS = SETTINGS.ball.radius_m

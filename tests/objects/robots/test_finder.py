@@ -9,9 +9,9 @@ import pytest
 from tests.objects.drawing import PAINT_TABLE, Picture, turn_between
 from tests.objects.finding import SHIPPED, empty_picture, finder_of, middle, scene_of, seen_in, settings_of
 from vision_core.models.camera_kernels import camera_map_from
+from vision_core.models.from_settings import robots_of
 from vision_core.objects.robots.finder import find_robots, robot_finder
 from vision_core.patterns.loader import CODE, load_pattern
-from vision_core.models.from_settings import robots_of
 from vision_core.types.objects import Team
 from vision_core.types.tables import BLOB, MOST_ROBOTS, NO_ID, ROBOT, Table
 

@@ -18,8 +18,8 @@ from vision_core.objects.robots.shapes import (
     heading_from,
     shape_from,
 )
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.geometry import inner_points_mm
+from vision_core.patterns.loader import load_pattern
 
 POINTS = {
     name: inner_points_mm(load_pattern(name).patches[0]) / 1000.0

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.floor import (
     COLORS,
     DISC,
@@ -18,8 +17,9 @@ from vision_core.capture.synthetic.floor import (
     solid_at,
     spread,
 )
-from vision_core.models.field import accepted_half_extent, field_lines, goal_line_x
 from vision_core.geometry import Bytes, Floats, frozen
+from vision_core.models.camera import PinholeCamera
+from vision_core.models.field import accepted_half_extent, field_lines, goal_line_x
 from vision_core.settings.schema import FieldSettings, Settings, SyntheticSettings
 
 RAY_STEP = 4

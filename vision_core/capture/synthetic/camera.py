@@ -4,16 +4,16 @@ from functools import cached_property
 
 import numpy as np
 
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.truth import Truth, truth_of
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
-from vision_core.timing.rate_keeper import Keeper, rate_keeper
-from vision_core.settings.schema import Settings
+from vision_core.models.camera import PinholeCamera
 from vision_core.models.from_settings import camera_model_from
+from vision_core.settings.schema import Settings
+from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
 LONGEST_LEAP_S = 1.0
 """A machine that was asleep need not live through the match that it missed."""

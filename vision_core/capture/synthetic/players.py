@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.capture.synthetic.physics import HEADING, VX, VY, X, Y, holds_ball
-from vision_core.models.field import accepted_half_extent, goal_line_x
 from vision_core.geometry import Floats, wrap_angle
+from vision_core.models.field import accepted_half_extent, goal_line_x
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.models.camera import PinholeCamera
 from vision_core.capture.synthetic.background import make_background
 from vision_core.capture.synthetic.floor import FOOTPRINT_PX, GRID
 from vision_core.capture.synthetic.noise import SensorNoise
@@ -14,25 +13,13 @@ from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, Pri
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats
-from vision_core.patterns.loader import Pattern, load_pattern
-from vision_core.settings.schema import Settings
+from vision_core.models.camera import PinholeCamera
 from vision_core.models.from_settings import robots_of
+from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
-PAINTS_BGR = {
-    "blue": (200, 90, 20),
-    "yellow": (40, 210, 235),
-    "green": (90, 225, 60),
-    "pink": (190, 70, 235),
-    "orange": (30, 120, 250),
-    "red": (40, 40, 220),
-    "cyan": (220, 210, 40),
-    "purple": (170, 50, 120),
-    "magenta": (225, 45, 225),
-    "pale": (200, 215, 215),
-    "white": (235, 235, 235),
-}
-"""What markers and balls are painted with."""
 PLATE_BGR, BODY_BGR = (52, 50, 50), (30, 29, 30)
 TROUSERS_BGR, SHOE_BGR = (92, 66, 54), (44, 42, 46)
 

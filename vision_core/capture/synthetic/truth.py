@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.models.camera import CameraModel
 from vision_core.capture.synthetic.physics import FRONT
 from vision_core.capture.synthetic.sprites import meets_body
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, wrap_angle
+from vision_core.models.camera import CameraModel
+from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import kernel
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import robots_of
 from vision_core.types.objects import Team
 
 Mask = NDArray[np.bool_]

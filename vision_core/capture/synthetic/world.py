@@ -7,10 +7,10 @@ import numpy as np
 
 from vision_core.capture.synthetic.physics import FRONT, HEADING, STEP_S, TURN, VX, VY, X, Y, move, no_bodies
 from vision_core.capture.synthetic.players import Player, Players
-from vision_core.models.field import accepted_half_extent, field_segments, goal_line_x, is_accepted
 from vision_core.geometry import Floats, wrap_angle
-from vision_core.settings.schema import RobotSettings, Settings
+from vision_core.models.field import accepted_half_extent, field_segments, goal_line_x, is_accepted
 from vision_core.models.from_settings import robots_of
+from vision_core.settings.schema import RobotSettings, Settings
 from vision_core.types.objects import Team
 
 DECIDE_EVERY = 8

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.camera_kernels import CameraMap, field_from_pixel, pixels_per_square_metre
 from vision_core.models.field import accepted_half_extent, goal_line_x
-from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.native.kernels import kernel
 from vision_core.objects.circle_fit import SECTORS, SPHERE_INSIDE_PX, center_memory, fitted_circle
 from vision_core.settings.schema import Settings

@@ -2,8 +2,8 @@
 
 from collections import Counter
 
-from vision_core.models.camera_kernels import CameraMap
 from vision_core.geometry import Bytes
+from vision_core.models.camera_kernels import CameraMap
 from vision_core.objects.ball.finder import (
     GATES,
     OFF_FIELD,

@@ -4,18 +4,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vision_core.geometry import Bytes, frozen
 from vision_core.models.camera_kernels import CameraMap
 from vision_core.models.field import accepted_half_extent, goal_line_x
-from vision_core.geometry import Bytes, frozen
+from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import kernel
-from vision_core.objects.robots.conflict_resolution import compete
 from vision_core.objects.robots.buffers import TEAM, Gates, Memory, take_memory
+from vision_core.objects.robots.conflict_resolution import compete
+from vision_core.objects.robots.hypothesis_generation import place_blobs, propose
 from vision_core.objects.robots.markers import Marker, marker_of
 from vision_core.objects.robots.pose_refinement import refine_pose
-from vision_core.objects.robots.hypothesis_generation import place_blobs, propose
 from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
-from vision_core.models.from_settings import robots_of
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import NO_ID, TEAMS, Table
 

@@ -2,8 +2,8 @@
 
 import math
 
-from vision_core.models.camera_kernels import CameraMap, field_and_scale, field_from_pixel
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_kernels import CameraMap, field_and_scale, field_from_pixel
 from vision_core.native.kernels import kernel
 from vision_core.objects.robots.buffers import (
     ACROSS,
@@ -28,10 +28,10 @@ from vision_core.objects.robots.buffers import (
     X,
     Y,
 )
-from vision_core.objects.robots.pose_fit import GATHER, gather, is_known, judge, keep, write_blobs
 from vision_core.objects.robots.markers import ANCHOR as MAY_ANCHOR
 from vision_core.objects.robots.markers import REFUSED, Marker
 from vision_core.objects.robots.markers import SLOT as MAY_FILL
+from vision_core.objects.robots.pose_fit import GATHER, gather, is_known, judge, keep, write_blobs
 from vision_core.objects.robots.shapes import STEADY as SHAPE_STEADY
 from vision_core.objects.robots.shapes import agreement, alike, heading_from, measure_shape
 from vision_core.types.tables import Table

@@ -21,8 +21,8 @@ from vision_core.objects.robots.shapes import (
     agreement,
     shape_from,
 )
-from vision_core.patterns.loader import CODE, TEAM, Patch, Pattern
 from vision_core.patterns.geometry import area_mm2, centroid_mm, inner_points_mm
+from vision_core.patterns.loader import CODE, TEAM, Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import Team

@@ -13,8 +13,8 @@ done.
 import math
 from typing import Any
 
-from vision_core.models.camera_kernels import CameraMap, field_from_pixel, pixel_from_field, pixels_per_square_metre
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_kernels import CameraMap, field_from_pixel, pixel_from_field, pixels_per_square_metre
 from vision_core.native.kernels import kernel
 from vision_core.objects.circle_fit import refined_circle
 from vision_core.objects.robots.buffers import (

@@ -10,20 +10,20 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from vision_core.models.camera_kernels import CameraMap, pixel_from_field, pixels_per_square_metre
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
+from vision_core.models.camera_kernels import CameraMap, pixel_from_field, pixels_per_square_metre
+from vision_core.models.from_settings import robots_of
 from vision_core.objects.robots.buffers import ANCHOR, FIRST_SLOT, HEADING, MATCHED, SCORE, X, Y, take_memory
+from vision_core.objects.robots.finder import RobotFinder, gates_from, robot_finder
+from vision_core.objects.robots.hypothesis_generation import place_blobs, propose
 from vision_core.objects.robots.markers import REFUSED, Marker, marker_of
 from vision_core.objects.robots.pose_refinement import code_of
-from vision_core.objects.robots.hypothesis_generation import place_blobs, propose
-from vision_core.objects.robots.finder import RobotFinder, gates_from, robot_finder
 from vision_core.patterns.loader import load_pattern, scaled
 from vision_core.settings.schema import Settings, TeamRobotSettings
-from vision_core.venues.loader import config_folder
-from vision_core.models.from_settings import robots_of
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import NO_ID, TEAMS, Table
+from vision_core.venues.loader import config_folder
 
 NUMERALS = {2: "two", 3: "three", 4: "four"}
 SAME_PLACE_M = 0.5

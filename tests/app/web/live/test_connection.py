@@ -11,7 +11,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
-from app.web.live import connection as live, messages as turns
+from app.web.live import connection as live
+from app.web.live import messages as turns
 from tests.app.fake_service import FakeService, PageServer, wait_for
 from vision_core.rtdb import records
 

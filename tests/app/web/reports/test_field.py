@@ -6,11 +6,11 @@ import pytest
 from app.web.reports.field import STEPS, Outlines, Points, RobotBody, field_from
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, rotation
+from vision_core.models.from_settings import camera_model_from, mirror_from
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import load_settings
-from vision_core.models.from_settings import camera_model_from, mirror_from
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
+from vision_core.venues.loader import load_settings
 
 MIXED = load_settings(
     options={

@@ -1,0 +1,1 @@
+"""The ball: ``finder`` in the hot path, ``reasons`` for people."""
