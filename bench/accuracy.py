@@ -180,7 +180,9 @@ def _at_rest(size: str) -> list[tuple[str, Row]]:
     places: dict[tuple[int, Key], list[tuple[float, float, float]]] = {}
     balls: dict[int, list[tuple[float, float]]] = {}
     for seed in range(REST_SEEDS):
-        settings = settings_of(size, {"synthetic.speed_m_s": 0.0, "synthetic.seed": seed, "synthetic.feet": 0})
+        settings = settings_of(
+            size, {"synthetic.speed_m_s": 0.0, "synthetic.seed": seed, "synthetic.walking_people": 0}
+        )
         for truth, seen in perceived(settings, REST_FRAMES):
             for robot in seen.robots:
                 if robot.heading_rad is not None:

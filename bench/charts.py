@@ -19,7 +19,7 @@ LEGEND_PX = 20
 TITLE, TEXT, SMALL = 0.55, 0.45, 0.4
 """Sizes of letters."""
 HEADROOM = 1.08
-MOST_TICKS = 10
+MAX_TICKS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +107,7 @@ def _draw_bins(image: Bytes, panel: Panel, box: tuple[int, int, int, int]) -> No
     left, _, right, bottom = box
     draw_line(image, (left, bottom), (right, bottom), INK)
     bins = len(panel.edges) - 1
-    step = math.ceil(bins / MOST_TICKS) if not panel.numbered else 1
+    step = math.ceil(bins / MAX_TICKS) if not panel.numbered else 1
     for place in range(0, len(panel.edges), step):
         if math.isfinite(panel.edges[place]):
             x = left + (right - left) * place / bins

@@ -33,7 +33,7 @@ SIGNALS = (signal.SIGKILL, signal.SIGSTOP)
 SETTLE_S = 1.0
 LEASE_S = 4 * 3600.0
 """So long a client may be silent: all of them are, for the whole benchmark."""
-MINUTE_S, MOST_A_MINUTE = 60.0, 3
+MINUTE_S, MAX_A_MINUTE = 60.0, 3
 STALE_S = 0.5
 """Older than that no view may be when a client gets it."""
 AFTERWARDS_S = 0.5
@@ -97,7 +97,7 @@ def _strike_all(service: Service, rounds: int) -> tuple[list[Fault], float]:
 
 def _too_soon_s(struck: list[float]) -> float:
     """How long to wait for a process's next fault, so that there are not too many within a minute [s]."""
-    return struck[-MOST_A_MINUTE] + MINUTE_S - time.monotonic() if len(struck) >= MOST_A_MINUTE else 0.0
+    return struck[-MAX_A_MINUTE] + MINUTE_S - time.monotonic() if len(struck) >= MAX_A_MINUTE else 0.0
 
 
 def _fault_rows(faults: list[Fault], heard: Report) -> list[Row]:

@@ -26,7 +26,7 @@ PRIORITY = 10
 OF_FRAMES = (SIGHTINGS, "world", VIEWS)
 UNSURE_S = 1.0
 """After a frame's stamp was lost, since a look came too late."""
-MOST_TOLD = 100
+MAX_TOLD = 100
 
 
 class Doubter:
@@ -84,7 +84,7 @@ class Doubter:
             self._tell(f"{name} {sequence} tells of a frame of {measured}, which was never published")
 
     def _tell(self, what: str) -> None:
-        if len(self.wrong) < MOST_TOLD:
+        if len(self.wrong) < MAX_TOLD:
             self.wrong.append(what)
 
 

@@ -5,11 +5,11 @@ import { bytesFrom, cleared, color, edgeLook, outlinedText, robotLabel, runsOf }
 const PADDING_M = 0.06;
 const FRONT_RAD = 0.9; // half the angle of an SSL robot's flat front
 const RAY_EVERY_DEG = 10;
-const SMALLEST_LABELLED_PX = 11;
+const MIN_LABELLED_PX = 11;
 const HEADING_KNOWN_RAD = 1; // a standard deviation above it is that of a heading never read
 const THINNEST_BAND_PX = 2.5;
-const SMALLEST_BODY_PX = 4;
-const SMALLEST_TARGET_PX = 14;
+const MIN_BODY_PX = 4;
+const MIN_TARGET_PX = 14;
 const BAR = { ahead: 0.8, half: 0.6, wide: 0.2 }; // of a square's half side: the mark at its front
 
 /** Where the world is on a canvas: {scale, at(x, y)}. */
@@ -58,7 +58,7 @@ function nearestWithin(map, things, radiusOf, x, y) {
   for (const thing of things ?? []) {
     const [tx, ty] = map.at(thing.x_m, thing.y_m);
     const away = Math.hypot(x - tx, y - ty);
-    if (away < nearest && away <= Math.max(radiusOf(thing) * map.scale, SMALLEST_TARGET_PX)) [found, nearest] = [thing, away];
+    if (away < nearest && away <= Math.max(radiusOf(thing) * map.scale, MIN_TARGET_PX)) [found, nearest] = [thing, away];
   }
   return found;
 }
@@ -159,7 +159,7 @@ function drawSegments(pen, map, field) {
 function drawRobot(pen, map, field, robot, isChosen, at) {
   const [x, y] = map.at(robot.x_m, robot.y_m);
   const body = field.robots[robot.team];
-  const radius = Math.max(body.radius_m * map.scale, SMALLEST_BODY_PX);
+  const radius = Math.max(body.radius_m * map.scale, MIN_BODY_PX);
   const front = -robot.heading_rad;
   const headed = robot.heading_sd_rad <= HEADING_KNOWN_RAD;
   const square = headed && body.outline === "square";
@@ -190,7 +190,7 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
   }
   pen.textAlign = "center";
   const label = robot.id === null ? "?" : robotLabel(field, robot.team, robot.id);
-  if (radius >= SMALLEST_LABELLED_PX) {
+  if (radius >= MIN_LABELLED_PX) {
     pen.font = "700 11px system-ui, sans-serif";
     pen.fillStyle = blue ? "#ffffff" : "#2a2000";
     pen.textBaseline = "middle";
@@ -205,7 +205,7 @@ function drawRobot(pen, map, field, robot, isChosen, at) {
 
 function drawObstacle(pen, map, obstacle) {
   const [x, y] = map.at(obstacle.x_m, obstacle.y_m);
-  const radius = Math.max(obstacle.radius_m * map.scale, SMALLEST_BODY_PX);
+  const radius = Math.max(obstacle.radius_m * map.scale, MIN_BODY_PX);
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.fillStyle = color("unknown-body");
@@ -215,7 +215,7 @@ function drawObstacle(pen, map, obstacle) {
   pen.stroke();
   pen.textAlign = "center";
   pen.font = "700 11px system-ui, sans-serif";
-  if (radius < SMALLEST_LABELLED_PX) return outlinedText(pen, "?", x, y - radius - 4, "#ffffff");
+  if (radius < MIN_LABELLED_PX) return outlinedText(pen, "?", x, y - radius - 4, "#ffffff");
   pen.fillStyle = "#ffffff";
   pen.textBaseline = "middle";
   pen.fillText("?", x, y + 0.5);

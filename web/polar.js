@@ -4,8 +4,8 @@
 import { bytesFrom, cleared, color, edgeLook, freeBox, runsOf, setText } from "./drawing.js";
 
 const RINGS_M = [0.25, 0.5, 1, 2, 4, 8];
-const LEAST_RING_GAP_PX = 7;
-const LEAST_LABELLED_DEG = 4;
+const MIN_RING_GAP_PX = 7;
+const MIN_LABELLED_DEG = 4;
 const LABEL_INSET_PX = 9;
 const LABEL_PX = [13, 10]; // width and height
 const ARROW_PX = 20;
@@ -105,7 +105,7 @@ function drawRings(pen, rings, scale) {
   pen.lineWidth = 0.8;
   let last = 0;
   for (const [, px] of rings) {
-    if ((px - last) * scale < LEAST_RING_GAP_PX) continue;
+    if ((px - last) * scale < MIN_RING_GAP_PX) continue;
     last = px;
     pen.beginPath();
     pen.arc(0, 0, px * scale, 0, 2 * Math.PI);
@@ -138,7 +138,7 @@ function drawLabels(pen, field, runs, count, place, radius, ball) {
   pen.textBaseline = "middle";
   for (const run of [...runs].sort((one, other) => other.length - one.length)) {
     const look = edgeLook(field.kinds, run.code);
-    if (!look.label || run.length < LEAST_LABELLED_DEG) continue;
+    if (!look.label || run.length < MIN_LABELLED_DEG) continue;
     const middle = run.start + run.length / 2;
     const [x, y] = place(middle, radius(Math.floor(middle) % count) - LABEL_INSET_PX);
     if (!freeBox(taken, [[x - wide / 2, y - high / 2, wide, high]])) continue;

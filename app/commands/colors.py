@@ -86,7 +86,7 @@ def light(
 
     settings = load_settings(venue, config)
     size, wanted = (settings.camera.width_px, settings.camera.height_px), settings.colors.light
-    samples = field_samples(camera_model_from(settings), settings.field, size, wanted.beyond_m)
+    samples = field_samples(camera_model_from(settings), settings.field, size, wanted.margin_m)
     for picture in pictures:
         pixels = _sized_picture(picture, settings)
         found, _ = reference_of(pixels, samples, wanted.band)

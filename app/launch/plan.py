@@ -19,7 +19,7 @@ from vision_core.net.control import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
-from vision_core.scheduling.task import DRIVER, LONGEST_RUN_S, NONE, Task
+from vision_core.scheduling.task import DRIVER, MAX_RUN_S, NONE, Task
 from vision_core.settings.schema import Settings
 from vision_core.tasks.table import COMPILER, record_specs, task_table
 
@@ -102,8 +102,8 @@ def _compiler() -> ChildPlan:
         sockets=(),
         after_compile=False,
         once=True,
-        heartbeat_s=LONGEST_RUN_S,
-        longest_run_s=LONGEST_RUN_S,
+        heartbeat_s=MAX_RUN_S,
+        longest_run_s=MAX_RUN_S,
         spared=False,
     )
 
@@ -122,7 +122,7 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
             after_compile=any(task.needs_kernels for task in ours),
             once=False,
             heartbeat_s=SILENCE_S + max(_slack_s(task, settings) for task in ours),
-            longest_run_s=min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in ours)), LONGEST_RUN_S),
+            longest_run_s=min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in ours)), MAX_RUN_S),
         )
 
 

@@ -13,7 +13,7 @@ PREFIX = "pslv-camera/"
 TCP_LISTENING, UDP_BOUND = "0A", "07"
 BACKLOG = 64
 PATIENCE_S = 0.5
-LONGEST_COMMAND = 120
+MAX_COMMAND = 120
 
 
 def port_holder(kind: str, port: int) -> str | None:
@@ -121,5 +121,5 @@ def _in_words(pid: int) -> str:
     except OSError:
         words = [""]
     command = " ".join([Path(words[0]).name, *words[1:]])
-    shown = "".join(letter if letter.isprintable() else "?" for letter in command)[:LONGEST_COMMAND]
+    shown = "".join(letter if letter.isprintable() else "?" for letter in command)[:MAX_COMMAND]
     return f"process {pid} ({shown})" if shown else f"process {pid}"

@@ -25,7 +25,7 @@ START_PATIENCE_S = 60.0
 """A process that has not beaten once by then is taken for hung; a machine under load is slow to import."""
 WARM_PATIENCE_S = 10.0
 """The same for a spare that has taken a place: it has everything, but may have to open a camera."""
-LONGEST_DETAIL = 200
+MAX_DETAIL = 200
 SETTLED = ("running", "done", "disabled")
 """States of a child that nobody waits for."""
 
@@ -76,7 +76,7 @@ class Child:
             "pid": self.pid,
             "state": self.state,
             "restarts": self.restarts,
-            "detail": self.detail[:LONGEST_DETAIL],
+            "detail": self.detail[:MAX_DETAIL],
         }
 
     def start(self, now: int) -> None:

@@ -19,11 +19,11 @@ from vision_core.net.unix_peers import process_and_user
 
 Answer: TypeAlias = tuple[dict[str, Any], tuple[int, ...]]
 """A table to tell, and descriptors to send along."""
-MOST_CONNECTIONS = 4
+MAX_CONNECTIONS = 4
 """That are heard at the same time; others wait for their turn."""
 BACKLOG = 16
 PATIENCE_S = 1.0
-LONGEST_REQUEST = 4096
+MAX_REQUEST = 4096
 
 
 @dataclass(slots=True)
@@ -53,7 +53,7 @@ class ControlSocket:
 
     def descriptors(self) -> Iterator[int]:
         """What to wait for: readable means that ``serve`` has something to do."""
-        if len(self._open) < MOST_CONNECTIONS:
+        if len(self._open) < MAX_CONNECTIONS:
             yield self._listener.fileno()
         yield from self._open
 
@@ -91,14 +91,14 @@ class ControlSocket:
         """Take what was said; answer when it is a whole line."""
         connection = self._open[descriptor]
         try:
-            said = connection.peer.recv(LONGEST_REQUEST)
+            said = connection.peer.recv(MAX_REQUEST)
         except BlockingIOError:
             return
         except OSError:
             said = b""
         connection.heard += said
         line, end, _ = connection.heard.partition(b"\n")
-        if said and not end and len(line) <= LONGEST_REQUEST:
+        if said and not end and len(line) <= MAX_REQUEST:
             return
         if end:
             with contextlib.suppress(OSError):

@@ -22,7 +22,7 @@ from vision_core.rtdb.store import Store, create_block
 from vision_core.scheduling.attachment import BEAT, HandDown, monotonic, name_process
 
 TICK_S = 0.1
-SHORTEST_TICK_S = 0.02
+MIN_TICK_S = 0.02
 LATE_S = 0.1
 """A turn that comes so much later than was planned: the machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
@@ -110,7 +110,7 @@ class Supervisor:
         looks = [overdue for child in self._everybody if (overdue := child.overdue_at(self._watched)) is not None]
         looks += [child.due for child in self.children if child.state == "restarting"]
         left_s = (min(looks) - self._turned) / NS_PER_S if looks else TICK_S
-        return min(max(left_s, SHORTEST_TICK_S), TICK_S)
+        return min(max(left_s, MIN_TICK_S), TICK_S)
 
     def _wait(self, tick_s: float) -> None:
         poller = select.poll()

@@ -14,7 +14,7 @@ from app.web.reports.base import Report
 from vision_core.errors import PslvError
 
 MEDIA_TYPE = "application/problem+json"
-LONGEST_FOUND = 200
+MAX_FOUND = 200
 
 
 class Problem(Report):
@@ -75,6 +75,6 @@ def _first(errors: Sequence[Any]) -> dict[str, str]:
         return {"asked": "the request's body", "found": str(error["ctx"]["error"]), "accepted": "JSON"}
     return {
         "asked": ".".join(str(part) for part in error["loc"]),
-        "found": json.dumps(error.get("input"), default=str)[:LONGEST_FOUND],
+        "found": json.dumps(error.get("input"), default=str)[:MAX_FOUND],
         "accepted": error["msg"].removeprefix("Input should be "),
     }

@@ -10,7 +10,7 @@ import uvicorn
 from app.web.application import create_app
 from vision_core.scheduling.attachment import attach
 
-LONGEST_MESSAGE = 1024
+MAX_MESSAGE = 1024
 """What a page may send [bytes]: it says no more than "next"."""
 
 
@@ -29,7 +29,7 @@ def main() -> None:
         lifespan="on",
         server_header=False,
         timeout_graceful_shutdown=1,
-        ws_max_size=LONGEST_MESSAGE,
+        ws_max_size=MAX_MESSAGE,
         ws_per_message_deflate=False,  # a JPEG cannot be made smaller
     )
     uvicorn.Server(config).run(sockets=[listener])

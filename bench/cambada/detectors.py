@@ -25,14 +25,14 @@ from vision_core.types.tables import Table
 Places: TypeAlias = tuple[tuple[float, float], ...]
 """Where in the image something was found, x and y [px]."""
 
-LEAST_BOUNDARY = 0.5
+MIN_BOUNDARY = 0.5
 """Share of the walls in the picture whose foot must be seen."""
 CARPET_TOLERANCES, MIN_AROUND = (60.0, 20.0), 0.3
 """Of luma and chroma [grey levels]; share of carpet round a ball or goal, of which other things hide the rest."""
 GOAL_TOLERANCES = (26.0, 8.0)
 GOAL_AREA = (0.3, 2.5)
 """Least and most, as shares of the area that its back fills as seen from above."""
-POINTS_PER_LINE, LEAST_LINES = 40, 0.5
+POINTS_PER_LINE, MIN_LINES = 40, 0.5
 ARM_M = (0.04, 0.28)
 """A corner is looked for along its two sides, between these distances from it."""
 
@@ -68,7 +68,7 @@ class BoundaryDetector:
     def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
         """Points of the boundary."""
         boundary = self._finder.find(pixels)
-        if boundary.found < LEAST_BOUNDARY:
+        if boundary.found < MIN_BOUNDARY:
             return None
         return tuple((x, y) for x, y in boundary.points_px if math.isfinite(x))
 
@@ -191,7 +191,7 @@ class CornerDetector:
 
 
 def _all_lines(settings: Settings) -> Detector:
-    return LineDetector(settings, painted_points(settings.field, POINTS_PER_LINE), LEAST_LINES)
+    return LineDetector(settings, painted_points(settings.field, POINTS_PER_LINE), MIN_LINES)
 
 
 def _keepers_line(settings: Settings) -> Detector:

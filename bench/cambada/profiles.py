@@ -14,7 +14,7 @@ ASIDE_PX = 3
 CONTRAST = 15.0
 """Grey levels by which paint or a wall differs from carpet."""
 AGREE_PX = 1.5
-LEAST_SHARE = 0.3
+MIN_SHARE = 0.3
 """Of the points, that must see it, less than AGREE_PX from where their median does: robots may hide the rest."""
 FEWEST = 8
 STEP_M = 1e-3
@@ -77,4 +77,4 @@ def _agreed(rises: Floats) -> float | None:
     found = rises.argmax(axis=1)[clear] - REACH_PX
     middle = float(np.median(found))
     agree = np.abs(found - middle) <= AGREE_PX
-    return float(found[agree].mean()) if agree.sum() >= LEAST_SHARE * len(rises) else None
+    return float(found[agree].mean()) if agree.sum() >= MIN_SHARE * len(rises) else None

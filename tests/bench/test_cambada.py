@@ -41,7 +41,7 @@ APART_PX = 60.0
 """Robots whose middles are nearer may be one obstacle."""
 FRAMES = 126
 """The ball goes and comes back, then the goals."""
-EMPTY: dict[str, Any] = {"synthetic.robots_per_team": 0, "synthetic.feet": 0}
+EMPTY: dict[str, Any] = {"synthetic.robots_per_team": 0, "synthetic.walking_people": 0}
 PLAIN: dict[str, Any] = {"field.walls": False, "field.line_width_m": 0.0, "field.goal.depth_m": 0.0}
 
 

@@ -35,7 +35,14 @@ KINDS = ("disc", "ring", "worm", "diagonal", "comb", "bar")
 
 
 def settings(**changes: float) -> BlobSettings:
-    values = {"max_runs": 20000, "max_blobs": 5000, "row_step": 0.55, "strip": 0.1, "most_flooded": 1.0, **changes}
+    values = {
+        "max_runs": 20000,
+        "max_blobs": 5000,
+        "row_step": 0.55,
+        "scan_band": 0.1,
+        "max_flood_fraction": 1.0,
+        **changes,
+    }
     return BlobSettings(min_area_px=int(values.pop("min_area_px", 1)), **values)  # type: ignore[arg-type]
 
 
@@ -116,7 +123,7 @@ def test_noise_of_touching_classes(density: float, width: int) -> None:
 
 
 def test_windows_find_what_they_touch_and_find_it_whole() -> None:
-    chosen, apart = settings(strip=0.001), 4
+    chosen, apart = settings(scan_band=0.001), 4
     for seed in range(30):
         rng = np.random.default_rng(seed)
         pixels = drawn(200, 90, rng.choice(KINDS, 10).tolist(), seed)
@@ -137,7 +144,7 @@ def test_windows_find_what_they_touch_and_find_it_whole() -> None:
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 1.0])
 def test_the_strip_has_been_everywhere_after_its_round(share: float) -> None:
-    chosen, apart = settings(strip=share), 3
+    chosen, apart = settings(scan_band=share), 3
     pixels = drawn(150, 90, KINDS * 2, 5)
     expected = tall(classic(pixels, TABLE, chosen), apart)
     fast = FastSegmenter(150, 90, chosen, apart)
@@ -151,7 +158,7 @@ def test_the_strip_has_been_everywhere_after_its_round(share: float) -> None:
 
 def test_over_budget_the_classic_takes_over() -> None:
     pixels = drawn(150, 90, KINDS * 3, 6)
-    chosen = settings(most_flooded=0.01)
+    chosen = settings(max_flood_fraction=0.01)
     fast = FastSegmenter(150, 90, chosen, 3)
     for windows in (None, np.array([[0, 0, 149, 89]], dtype=np.int32)):
         count, complete = fast.segment(pixels, TABLE, TEST, windows)

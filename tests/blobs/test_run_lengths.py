@@ -29,7 +29,12 @@ def picture(labels: NDArray[np.int64]) -> Bytes:
 
 def settings(min_area_px: int = 1, max_runs: int = 5000, max_blobs: int = 2000) -> BlobSettings:
     return BlobSettings(
-        min_area_px=min_area_px, max_runs=max_runs, max_blobs=max_blobs, row_step=0.55, strip=0.1, most_flooded=0.1
+        min_area_px=min_area_px,
+        max_runs=max_runs,
+        max_blobs=max_blobs,
+        row_step=0.55,
+        scan_band=0.1,
+        max_flood_fraction=0.1,
     )
 
 

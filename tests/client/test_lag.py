@@ -9,7 +9,7 @@ import pytest
 from vision_core.client.lag import REPORT_S, LagReports, receive_stamped, stamp_arrivals
 from vision_core.clock import Instant, after
 from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.messages import LONGEST_LAG_S, Lag
+from vision_core.protocol.messages import MAX_LAG_S, Lag
 
 START = Instant(1_000_000_000)
 DUE = after(START, REPORT_S)
@@ -46,8 +46,8 @@ def test_asking_again_without_a_new_view_is_no_use() -> None:
 
 
 def test_what_the_server_would_pass_over_is_not_sent() -> None:
-    reports = using(2.0 * LONGEST_LAG_S)
-    assert reports.view_arrived(TIME_US, START, after(DUE, LONGEST_LAG_S)) is None
+    reports = using(2.0 * MAX_LAG_S)
+    assert reports.view_arrived(TIME_US, START, after(DUE, MAX_LAG_S)) is None
     assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, None)
 
 

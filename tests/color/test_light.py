@@ -37,7 +37,7 @@ ADAPT = LightSettings(
     band=(0.25, 0.75),
     reference_bgr=(70.0, 120.0, 60.0),
     white_balance=True,
-    beyond_m=0.0,
+    margin_m=0.0,
 )
 
 

@@ -143,7 +143,7 @@ def test_an_endless_line_is_cut_off(served: Served) -> None:
 
 
 def test_who_says_nothing_is_hung_up_on_and_others_get_their_turn(served: Served) -> None:
-    silent = [connected() for _ in range(server.MOST_CONNECTIONS + 2)]
+    silent = [connected() for _ in range(server.MAX_CONNECTIONS + 2)]
     attach_to(NAME).close()
     for peer in silent:
         assert heard(peer) == b""

@@ -10,7 +10,7 @@ import pytest
 from tests.net.serving import Stadium, robot
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.net.batch import Batch
-from vision_core.net.server import MOST_DATAGRAMS
+from vision_core.net.server import MAX_DATAGRAMS
 from vision_core.net.udp import Outcome, SessionSocket
 from vision_core.protocol.lifecycle import Change, State
 from vision_core.protocol.session import Reply, SessionClosed, SessionMoved, SessionOpened, Sessions
@@ -212,10 +212,10 @@ def test_one_socket_with_two_robots(stadium: Stadium) -> None:
 
 def test_a_flood_is_handled_in_portions(stadium: Stadium) -> None:
     with robot(stadium, b"(init blue 3)") as client:
-        for _ in range(3 * MOST_DATAGRAMS):
+        for _ in range(3 * MAX_DATAGRAMS):
             client.sendto(b"(dash 100)", stadium.main.getsockname())
         stadium.serve()
-        assert 0 < stadium.server.sessions.counts.received <= MOST_DATAGRAMS
+        assert 0 < stadium.server.sessions.counts.received <= MAX_DATAGRAMS
 
 
 def test_no_socket_left(stadium: Stadium, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_fi
 from vision_core.objects.robots.reasons import Scene
 from vision_core.patterns.loader import Pattern, load_pattern
 from vision_core.settings.schema import Settings, TeamRobotSettings
-from vision_core.types.tables import MOST_ROBOTS, ROBOT, Table
+from vision_core.types.tables import MAX_ROBOTS, ROBOT, Table
 from vision_core.venues.loader import config_folder
 
 SHIPPED = sorted(path.stem for path in (config_folder() / "patterns").glob("*.toml"))
@@ -49,7 +49,7 @@ def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1) -> Scene:
     camera = camera_map_from(drawn.camera)
 
     def look(finder: RobotFinder) -> Table:
-        out = np.zeros(MOST_ROBOTS, dtype=ROBOT)
+        out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
         return out[: find_robots(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera, finder, out)]
 
     return Scene(blobs, pixels, PAINT_TABLE, camera, look)

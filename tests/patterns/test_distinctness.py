@@ -2,7 +2,7 @@
 
 import pytest
 
-from vision_core.patterns.distinctness import LEAST_PX, nearest_rival, report_on
+from vision_core.patterns.distinctness import MIN_PX, nearest_rival, report_on
 from vision_core.patterns.loader import load_pattern
 from vision_core.venues.loader import config_folder
 
@@ -15,7 +15,7 @@ def test_shipped_patterns_are_told_apart(name: str) -> None:
     assert (report.fewest_differences is None) == (report.ids == 1)
     assert report.fewest_differences is None or report.fewest_differences >= 1
     assert report.rival is None or report.rival.off_mm > 12.0
-    assert report.coarsest_mm_per_px * LEAST_PX == pytest.approx(report.smallest_mm)
+    assert report.coarsest_mm_per_px * MIN_PX == pytest.approx(report.smallest_mm)
     assert report.smallest_mm > 20.0
 
 

@@ -17,7 +17,7 @@ from vision_core.native.opencv import draw_circle
 from vision_core.pipeline.perception import Perception
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
-from vision_core.types.tables import MOST_BALLS, MOST_ROBOTS
+from vision_core.types.tables import MAX_BALLS, MAX_ROBOTS
 
 CORNER = (420, 40)
 """Where in the frame the drawn piece lies: off axis, where parallax and distortion count [px]."""
@@ -131,7 +131,7 @@ def cloth(shift_px: int, dots: dict[str, tuple[int, int]], spacing_px: int) -> B
 
 @pytest.mark.parametrize(
     ("dots", "spacing_px", "found"),
-    [({"orange": (0, 0)}, 14, MOST_BALLS), ({"blue": (0, 0), "pink": (8, 9)}, 30, MOST_ROBOTS)],
+    [({"orange": (0, 0)}, 14, MAX_BALLS), ({"blue": (0, 0), "pink": (8, 9)}, 30, MAX_ROBOTS)],
     ids=["orange", "blue and pink"],
 )
 def test_a_cloth_of_dots_finds_room_in_the_database(
@@ -142,4 +142,4 @@ def test_a_cloth_of_dots_finds_room_in_the_database(
         pixels = cloth(5 * (number // 2), dots, spacing_px)  # seen twice, then elsewhere: every track is predicted
         seen = perception.perceive(ImageFrame("main", number, Instant(number * 33_000_000), pixels), ManualClock())
         assert seen.counts.sum() == found
-        assert tracker.update(seen).counts[0] <= MOST_ROBOTS
+        assert tracker.update(seen).counts[0] <= MAX_ROBOTS

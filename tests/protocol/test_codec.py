@@ -11,7 +11,7 @@ from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import SERVER_WORDS, decode_commands, decode_message, encode, encode_see
 from vision_core.protocol.error_codes import MEANINGS, ErrorName
 from vision_core.protocol.messages import HIDDEN, Ball, Bye, Error, Faulty, Init, InitReply, Lag, Request, See, Warn
-from vision_core.protocol.options import MOST_DIRECTIONS, Options
+from vision_core.protocol.options import MAX_DIRECTIONS, Options
 from vision_core.types.objects import Team
 
 BLUE_3 = Init(Team.BLUE, 3)
@@ -32,7 +32,7 @@ option_sets = st.builds(
     size=st.sampled_from(["full", "half"]),
     sense=st.sampled_from(["ccw", "cw"]),
     port_same=st.booleans(),
-).filter(lambda o: 1 <= o.directions <= MOST_DIRECTIONS and (o.first_deg * 4).is_integer())
+).filter(lambda o: 1 <= o.directions <= MAX_DIRECTIONS and (o.first_deg * 4).is_integer())
 robots = st.tuples(st.sampled_from(Team), st.integers(1, 16))
 edge = st.tuples(st.sampled_from("wuvqrxyAPap-"), st.integers(0, 255)).map(lambda e: f"{e[0]}{e[1]:02x}".encode())
 balls = st.just(HIDDEN) | st.builds(Ball, st.integers(0, 254), st.integers(0, 359), st.integers(1, 180))

@@ -10,8 +10,8 @@ from vision_core.protocol.codec import decode_commands
 from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.messages import Faulty, Init
 from vision_core.protocol.options import (
-    LONGEST_DATAGRAM,
-    MOST_DIRECTIONS,
+    MAX_DATAGRAM,
+    MAX_DIRECTIONS,
     PAPER_OPTIONS,
     SEE_FRAME,
     Options,
@@ -117,7 +117,7 @@ def test_illegal_mirrors(constants: str) -> None:
 
 
 def test_the_largest_see_fits() -> None:
-    assert SEE_FRAME + 3 * MOST_DIRECTIONS <= LONGEST_DATAGRAM < SEE_FRAME + 3 * (MOST_DIRECTIONS + 1)
+    assert SEE_FRAME + 3 * MAX_DIRECTIONS <= MAX_DATAGRAM < SEE_FRAME + 3 * (MAX_DIRECTIONS + 1)
     assert asked("(fov 112)(resolution 0.25)") != ErrorName.ILLEGAL_OPTION  # 448 directions
     assert asked("(fov 113)(resolution 0.25)") is ErrorName.ILLEGAL_OPTION
 

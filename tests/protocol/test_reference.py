@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from tests.protocol.samples import LETTERS
-from vision_core.protocol.codec import COMMANDS, LONGEST_COMMAND, decode_commands, decode_message
+from vision_core.protocol.codec import COMMANDS, MAX_COMMAND, decode_commands, decode_message
 from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.lifecycle import REPORT_PERIOD_S
-from vision_core.protocol.messages import LONGEST_LAG_S, Faulty, Init, See
-from vision_core.protocol.options import MOST_DIRECTIONS, RULES
+from vision_core.protocol.messages import MAX_LAG_S, Faulty, Init, See
+from vision_core.protocol.options import MAX_DIRECTIONS, RULES
 from vision_core.protocol.session import OFTEN
 
 ROOT = Path(__file__).parents[2]
@@ -37,14 +37,14 @@ def test_every_option_has_a_line_and_the_lines_hold() -> None:
 
 
 def test_reports_are_bounded_as_it_says() -> None:
-    assert f"outside 0..{LONGEST_LAG_S * 1000:.0f} is passed over" in REFERENCE
+    assert f"outside 0..{MAX_LAG_S * 1000:.0f} is passed over" in REFERENCE
     assert "within half a second of your last report" in REFERENCE
     assert REPORT_PERIOD_S == 0.5
 
 
 def test_every_command_is_named() -> None:
     assert all(f'"({command}"' in REFERENCE for command in COMMANDS)
-    assert f"at most {MOST_DIRECTIONS}" in REFERENCE
+    assert f"at most {MAX_DIRECTIONS}" in REFERENCE
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_what_it_calls_silence_is_silence() -> None:
     silent = re.findall(r"as\s+`(.+?)`", said[1])
     assert len(silent) == 2
     assert [decode_commands(datagram.encode()) for datagram in silent] == [None, None]
-    assert f"more than {LONGEST_COMMAND} bytes" in said[1]
+    assert f"more than {MAX_COMMAND} bytes" in said[1]
     request = decode_commands(said[2].encode())
     assert request is not None
     assert request.commands == (Faulty(ErrorName.ILLEGAL_FORM),)

@@ -10,7 +10,7 @@ from vision_core.clock import Instant
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import decode_message
 from vision_core.protocol.messages import HIDDEN, Ball, See
-from vision_core.protocol.options import LONGEST_DATAGRAM, PAPER_OPTIONS, Options
+from vision_core.protocol.options import MAX_DATAGRAM, PAPER_OPTIONS, Options
 from vision_core.protocol.see import ball_from_view, edge_px, see_from_view
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
@@ -135,7 +135,7 @@ def test_fine_directions_come_from_fine_views() -> None:
     see = decode_message(message)
     assert isinstance(see, See)
     assert see.edges == b"w2c" * 448
-    assert len(message) <= LONGEST_DATAGRAM
+    assert len(message) <= MAX_DATAGRAM
     with pytest.raises(ValueError, match="360 rays"):
         datagram(simple_view(), options)
 

@@ -12,7 +12,7 @@ from vision_core.geometry import Floats
 from vision_core.settings.schema import RobotSettings, TeamRobotSettings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Sightings, Team
-from vision_core.types.tables import MOST_OBSTACLES, SightingsTable, obstacle_table
+from vision_core.types.tables import MAX_OBSTACLES, SightingsTable, obstacle_table
 from vision_core.types.tracks import World
 from vision_core.venues.loader import load_settings
 
@@ -144,7 +144,7 @@ def test_more_than_there_is_room_for_and_at_no_place() -> None:
     film = Film()
     crowd = [(math.nan, 0.0), *((float(x), float(y)) for x, y in np.ndindex(10, 10))]
     film.show(*crowd)
-    assert len(film.show(*crowd).obstacles) == MOST_OBSTACLES - 1
+    assert len(film.show(*crowd).obstacles) == MAX_OBSTACLES - 1
 
 
 def followed(path: Callable[[float], Thing], duration_s: float, noise_m: float = 0.0, seed: int = 1) -> Floats:

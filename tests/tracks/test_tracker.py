@@ -9,7 +9,7 @@ import pytest
 from vision_core.clock import Instant, after, seconds_between
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
-from vision_core.types.tables import MOST_ROBOTS, SightingsTable
+from vision_core.types.tables import MAX_ROBOTS, SightingsTable
 from vision_core.types.tracks import RobotTrack, World
 from vision_core.venues.loader import load_settings
 
@@ -236,7 +236,7 @@ def test_a_flicker_of_false_robots_stays_bounded_and_pushes_no_name_out() -> Non
     for frame in range(7):
         row = 2.0 * (frame // 2 % 4)
         film.show(robot(3, 0.0, 2.0), *(robot(None, 1.0 + 0.5 * column, row) for column in range(40)))
-        assert len(film.world.robots) <= MOST_ROBOTS
+        assert len(film.world.robots) <= MAX_ROBOTS
         assert {3, 4} <= {track.id for track in film.world.robots}
 
 

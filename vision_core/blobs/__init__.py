@@ -15,9 +15,9 @@ table decides. Where a run with a class starts, a flood fill by runs collects th
 a bit per pixel keeps it from being found twice. d comes from the smallest dot that is searched
 (``rows.least_height_px``); lower blobs are found by luck.
 
-Windows round predictions cut the rows looked at further; beside them a strip of rows moves over the picture from
+Windows round predictions cut the rows looked at further; beside them a scan band of rows moves over the picture from
 frame to frame, so that what appears anywhere is found within one round of it. When more would be flooded than
-``most_flooded`` allows (the table has the colors of the floor), the classic takes over for that picture: the same
+``max_flood_fraction`` allows (the table has the colors of the floor), the classic takes over for that picture: the same
 blobs in class, area, center and box, but in scan order and with all low ones among them.
 
 Memory is taken once. When a picture has more runs or blobs than there is room for, the rest is left

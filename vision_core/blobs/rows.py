@@ -42,13 +42,13 @@ class SegmentMemory(NamedTuple):
     """Of one row: cells of the color table, 64 by 64, and the column where each 64 start."""
     starts: NDArray[np.int64]
     cursor: NDArray[np.int64]
-    """Shape (1,): where the rolling strip starts in the next picture, in rows looked at."""
+    """Shape (1,): where the rolling scan band starts in the next picture, in rows looked at."""
     runs: RunMemory
     """For the classic, which takes over when too much would be flooded."""
     rows_apart: int
     """Every so-many-th row is looked at."""
-    strip_rows: int
-    """How many of the rows looked at make the rolling strip of one picture."""
+    scan_band_rows: int
+    """How many of the rows looked at make the rolling scan band of one picture."""
     flood_px: int
     """More is not flooded in one picture: the classic takes over."""
     min_area_px: int
@@ -76,8 +76,8 @@ def segment_memory(width_px: int, height_px: int, settings: BlobSettings, rows_a
         cursor=np.zeros(1, dtype=np.int64),
         runs=run_memory(settings),
         rows_apart=rows_apart,
-        strip_rows=max(1, math.ceil(rows * settings.strip)),
-        flood_px=int(settings.most_flooded * width_px * height_px),
+        scan_band_rows=max(1, math.ceil(rows * settings.scan_band)),
+        flood_px=int(settings.max_flood_fraction * width_px * height_px),
         min_area_px=settings.min_area_px,
     )
 
@@ -100,7 +100,7 @@ class FastSegmenter:
         """How many blobs were found, and whether all had room; their order is not that of the classic.
 
         pixels: shape (height, width, 3), blue green red. candidates: made from the same table. windows: shape (n, 4),
-        left top right bottom, inclusive: where to look beside the rolling strip; None looks everywhere.
+        left top right bottom, inclusive: where to look beside the rolling scan band; None looks everywhere.
         """
         assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
         whole = windows is None
@@ -129,7 +129,7 @@ def segment_picture(
             first, after = max(window[TOP], 0) // apart, min(window[BOTTOM] + 1, height) // apart
             seeds = find_seeds(flat, width, classes, candidates, left, right, first, after, memory, seeds)
         first = memory.cursor[0] if memory.cursor[0] < rows else 0
-        after = min(first + memory.strip_rows, rows)
+        after = min(first + memory.scan_band_rows, rows)
         memory.cursor[0] = after
         seeds = find_seeds(flat, width, classes, candidates, 0, width, first, after, memory, seeds)
     found, fits = flood_seeds(flat, width, height, classes, seeds, memory, blobs)

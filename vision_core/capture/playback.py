@@ -13,7 +13,7 @@ from vision_core.native.opencv import Video, open_video, read_picture
 from vision_core.settings.schema import CameraSettings
 from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
-MOST_KEPT = 512 * 1024 * 1024
+MAX_KEPT = 512 * 1024 * 1024
 """Of decoded pictures [bytes]: a folder is shown at any rate, without decoding it again and again."""
 PICTURES = frozenset({".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"})
 
@@ -49,7 +49,7 @@ class Pictures:
             return self._read(path)  # which says why
         if key not in self._kept:
             picture = self._read(path)
-            if len(self._kept) * picture.nbytes >= MOST_KEPT:
+            if len(self._kept) * picture.nbytes >= MAX_KEPT:
                 self._kept.clear()
             self._kept[key] = picture
         return self._kept[key]

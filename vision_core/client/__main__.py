@@ -15,16 +15,16 @@ from vision_core.client.view import View
 from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import PslvError
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.protocol.messages import LARGEST_NUMBER
+from vision_core.protocol.messages import MAX_NUMBER
 from vision_core.protocol.options import FASTEST_HZ, Options
 from vision_core.types.objects import Team
 
 FAILED = 2
 STALE_S = 5.0
 """No view for so long is worth a line."""
-LONGEST_TIMEOUT_S = 86400.0
-MOST_VIEWS = 10**9
-LARGEST_PORT = 65535
+MAX_TIMEOUT_S = 86400.0
+MAX_VIEWS = 10**9
+MAX_PORT = 65535
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -146,8 +146,8 @@ def _within(least: int, most: int) -> Callable[[str], int]:
 
 def _seconds(text: str) -> float:
     seconds = float(text)
-    if not 0.0 < seconds <= LONGEST_TIMEOUT_S:
-        raise argparse.ArgumentTypeError(f"{text} is not within 0..{LONGEST_TIMEOUT_S:g} s")
+    if not 0.0 < seconds <= MAX_TIMEOUT_S:
+        raise argparse.ArgumentTypeError(f"{text} is not within 0..{MAX_TIMEOUT_S:g} s")
     return seconds
 
 
@@ -159,15 +159,15 @@ def _parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("--team", required=True, choices=[team.value for team in Team])
-    add("--number", required=True, type=_within(1, LARGEST_NUMBER), help=f"of the robot, 1..{LARGEST_NUMBER}")
+    add("--number", required=True, type=_within(1, MAX_NUMBER), help=f"of the robot, 1..{MAX_NUMBER}")
     add("--host", default="127.0.0.1", help="name or address of the server's computer [%(default)s]")
     add(
         "--port",
-        type=_within(1, LARGEST_PORT),
+        type=_within(1, MAX_PORT),
         default=os.environ.get("PSLV_UDP_PORT") or "6000",
         help="UDP port of the server [that of the variable PSLV_UDP_PORT, else 6000]",
     )
-    add("--count", type=_within(1, MOST_VIEWS), help="end after so many views [never]")
+    add("--count", type=_within(1, MAX_VIEWS), help="end after so many views [never]")
     add("--json", action="store_true", help="one line of JSON per view")
     add("--draw", type=Path, metavar="PNG", help="draw the last view as the on-board picture")
     add("--types", choices=["same", "team", "number"], default="same", help="how edges name robots")

@@ -11,7 +11,7 @@ from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.protocol.codec import LONGEST_ANSWER, decode_message, encode
+from vision_core.protocol.codec import MAX_ANSWER, decode_message, encode
 from vision_core.protocol.error_codes import MEANINGS
 from vision_core.protocol.messages import Bye, Error, Init, InitReply, See, ServerMessage
 from vision_core.protocol.options import PAPER_OPTIONS, Options
@@ -26,7 +26,7 @@ SILENCE_S = 1.0
 RESTART_S = 3.0
 """Nothing heard for so long: the server was perhaps restarted, ask its main port."""
 PATIENCE_S = 1.0
-MOST_AT_ONCE = 1000
+MAX_AT_ONCE = 1000
 """More than a socket's buffer holds: draining it ends, whatever comes in [datagrams]."""
 
 
@@ -135,7 +135,7 @@ class Connection:
         self._lag.view_used(self._clock.now())
         self._stay()
         newest = None
-        for _ in range(MOST_AT_ONCE):
+        for _ in range(MAX_AT_ONCE):
             message = self._next_message(self._clock.now())
             if message is None:
                 break
@@ -171,7 +171,7 @@ class Connection:
 
     def _next_message(self, deadline: Instant) -> ServerMessage | None:
         """The next message of the server that says something new, until an instant."""
-        for _ in range(MOST_AT_ONCE):
+        for _ in range(MAX_AT_ONCE):
             received = self._next_datagram(deadline)
             if received is None:
                 return None
@@ -202,7 +202,7 @@ class Connection:
     def _next_datagram(self, deadline: Instant) -> tuple[bytes, SockAddress, int] | None:
         self._socket.settimeout(max(seconds_between(self._clock.now(), deadline), 0.0))
         try:
-            return receive_stamped(self._socket, LONGEST_ANSWER + 1)
+            return receive_stamped(self._socket, MAX_ANSWER + 1)
         except OSError:  # timeout; or, on some systems, a report that a port was closed
             return None
 

@@ -15,11 +15,11 @@ from collections import deque
 
 from vision_core.clock import NS_PER_S, Instant, seconds_between
 from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.messages import LONGEST_LAG_S, Lag
+from vision_core.protocol.messages import MAX_LAG_S, Lag
 
 REPORT_S = 1.0
 """Between two reports."""
-MOST_USES = 1000
+MAX_USES = 1000
 """Kept for a median, if no report is due for long."""
 TO_REPORTS = frozenset({ErrorName.UNKNOWN_COMMAND, ErrorName.NOT_CONNECTED})
 """Errors that no init gets: a report came to a server that is older, or that was restarted."""
@@ -38,7 +38,7 @@ class LagReports:
         self._wanted = True
         self._reported = now
         self._arrived: Instant | None = None
-        self._uses_s: deque[float] = deque(maxlen=MOST_USES)
+        self._uses_s: deque[float] = deque(maxlen=MAX_USES)
 
     def view_used(self, now: Instant) -> None:
         """The program asks for the next view: it is done with the last one, if it has not said so before."""
@@ -50,12 +50,12 @@ class LagReports:
         """A view is handed to the program; the report to send at once, if one is due."""
         self._arrived = arrived
         hold_s = seconds_between(arrived, now)
-        if not self._wanted or seconds_between(self._reported, now) < REPORT_S or not 0.0 <= hold_s <= LONGEST_LAG_S:
+        if not self._wanted or seconds_between(self._reported, now) < REPORT_S or not 0.0 <= hold_s <= MAX_LAG_S:
             return None
         client_s = statistics.median(self._uses_s) if self._uses_s else None
         self._uses_s.clear()
         self._reported, self._any_sent = now, True
-        known = client_s is not None and 0.0 <= client_s <= LONGEST_LAG_S
+        known = client_s is not None and 0.0 <= client_s <= MAX_LAG_S
         return Lag(time_us, hold_s, client_s if known else None)
 
     def explains(self, error: str) -> bool:
@@ -82,5 +82,5 @@ def receive_stamped(datagrams: socket.socket, most: int) -> tuple[bytes, SockAdd
         if (level, kind, len(content)) == (socket.SOL_SOCKET, SO_TIMESTAMPNS, TIMESPEC.size):
             seconds, ns = TIMESPEC.unpack(content)
             age_ns = time.time_ns() - (seconds * NS_PER_S + ns)
-            return data, source, age_ns if 0 <= age_ns <= LONGEST_LAG_S * NS_PER_S else 0  # the time of day may step
+            return data, source, age_ns if 0 <= age_ns <= MAX_LAG_S * NS_PER_S else 0  # the time of day may step
     return data, source, 0

@@ -24,13 +24,13 @@ from vision_core.types.colors import Levels, Light
 Points = NDArray[np.int32]
 
 SAMPLES_PER_SIDE = 64
-FEWEST_SAMPLES = 256
-LEAST_SIGNAL = 4.0
+MIN_SAMPLES = 256
+MIN_SIGNAL = 4.0
 """Grey levels over black: below, rounding alone moves a gain by more than an eighth."""
-MOST_GAIN = 32.0
+MAX_GAIN = 32.0
 WHITE = 254
 """From here on a channel tells nothing any more."""
-MOST_WHITE = 0.25
+MAX_WHITE = 0.25
 LEVELS = 3 * 256
 FIXED_BITS = 8
 SCALE = 1 << FIXED_BITS
@@ -40,9 +40,9 @@ STEADY = 0.03
 AS_IT_IS = Light((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 
 
-def field_samples(camera: CameraModel, field: FieldSettings, size_px: tuple[int, int], beyond_m: float) -> Points:
+def field_samples(camera: CameraModel, field: FieldSettings, size_px: tuple[int, int], margin_m: float) -> Points:
     """Pixels spread over the field inside its walls or limits: x, y, shape (n, 2); those in the picture only."""
-    half_x, half_y = (max(half + beyond_m, 0.0) for half in accepted_half_extent(field))
+    half_x, half_y = (max(half + margin_m, 0.0) for half in accepted_half_extent(field))
     steps = (np.arange(SAMPLES_PER_SIDE) + 0.5) / SAMPLES_PER_SIDE * 2.0 - 1.0
     along, across = np.meshgrid(steps * half_x, steps * half_y)
     pixels = camera.pixel_from_field(np.column_stack([along.ravel(), across.ravel()]))
@@ -75,20 +75,20 @@ def light_of(pixels: Bytes, samples: Points, settings: LightSettings) -> Light:
     pixels: shape (height, width, 3), blue green red; samples: of ``field_samples``.
     """
     black = settings.black_bgr
-    if len(samples) < FEWEST_SAMPLES:
+    if len(samples) < MIN_SAMPLES:
         return _unknown(black, f"only {len(samples)} of {SAMPLES_PER_SIDE**2} samples of the field lie in the picture")
     found, white = reference_of(pixels, samples, settings.band)
     signal = [level - dark for level, dark in zip(found, black, strict=True)]
-    if white > MOST_WHITE:
+    if white > MAX_WHITE:
         return _unknown(black, f"over-exposed: {white:.0%} of what the light is judged by is at the sensor's end")
-    if min(signal) < LEAST_SIGNAL:
+    if min(signal) < MIN_SIGNAL:
         return _unknown(black, f"too dark: what the light is judged by is {min(signal):.1f} grey levels over black")
     blue, green, red = (wanted / level for wanted, level in zip(settings.reference_bgr, signal, strict=True))
     if not settings.white_balance:
         blue = green = red = (blue * green * red) ** (1.0 / 3.0)
-    if not 1.0 / MOST_GAIN <= min(blue, green, red) <= max(blue, green, red) <= MOST_GAIN:
+    if not 1.0 / MAX_GAIN <= min(blue, green, red) <= max(blue, green, red) <= MAX_GAIN:
         gains = f"{blue:.2f} {green:.2f} {red:.2f}"
-        return _unknown(black, f"gains of {gains}, not {1.0 / MOST_GAIN:g} to {MOST_GAIN:g}: see colors.light")
+        return _unknown(black, f"gains of {gains}, not {1.0 / MAX_GAIN:g} to {MAX_GAIN:g}: see colors.light")
     return Light(black, (blue, green, red))
 
 
@@ -130,7 +130,7 @@ class Lighting:
     def __init__(self, settings: Settings, camera: CameraModel) -> None:
         size = settings.camera.width_px, settings.camera.height_px
         self._settings = settings.colors.light
-        self._samples = field_samples(camera, settings.field, size, self._settings.beyond_m)
+        self._samples = field_samples(camera, settings.field, size, self._settings.margin_m)
         self._relighter = Relighter(*size)
         self._judged: Instant | None = None
         self.light = AS_IT_IS

@@ -16,7 +16,7 @@ from vision_core.native.opencv import ycc_picture
 TURN = 256
 """Angles in pictures are bytes, 256ths of a turn."""
 SHOWN_LUMA, SHOWN_MODULE = 140.0, 90.0
-LARGEST_MODULE = 181.0
+MAX_MODULE = 181.0
 FAINTEST_SATURATION = 0.08
 DARK = np.uint8(40)
 
@@ -55,7 +55,7 @@ def axis_pictures(pixels: Bytes, space: str) -> dict[str, Bytes]:
     _, module, phase = np.moveaxis(ymp_picture(pixels), -1, 0)
     hue = _colored(phase, module >= FAINTEST_MODULE, _chroma_wheel())
     if space == "ymp":
-        return {"phase": hue, "module": _grey(module * (GREY_LEVELS / LARGEST_MODULE))}
+        return {"phase": hue, "module": _grey(module * (GREY_LEVELS / MAX_MODULE))}
     return {"hue": hue, "saturation": _grey(ec_picture(pixels)[..., 2])}
 
 

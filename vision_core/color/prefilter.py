@@ -14,7 +14,7 @@ from vision_core.types.colors import ColorTable
 from vision_core.types.prefilter import FORMS, Candidates
 
 LIGHT, DARK = 6, 7
-LEAST_CHROMA = 8
+MIN_CHROMA = 8
 """Cells whose largest step is smaller count as grey."""
 MIDDLE = 128
 
@@ -48,7 +48,7 @@ def fit_forms(classes: Bytes, least_step: Bytes, least_level: Bytes) -> None:
 @kernel
 def _best_form(low: tuple[int, int, int], high: tuple[int, int, int]) -> tuple[int, int, int]:
     """The form that a cell of these corners fits best, and its limits there."""
-    form, step, level = -1, LEAST_CHROMA - 1, 0
+    form, step, level = -1, MIN_CHROMA - 1, 0
     for channel in range(3):
         one, two = (channel + 1) % 3, (channel + 2) % 3
         ahead, rest = low[channel] - max(high[one], high[two]), min(low[one], low[two])

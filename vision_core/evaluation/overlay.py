@@ -21,7 +21,7 @@ OBSTACLE_COLOR: Color = (200, 80, 200)
 PAINT_COLOR: Color = (255, 80, 255)
 POINTS_PER_LINE = 40
 """A lens bends lines."""
-SMALLEST_TEXT = 0.45
+MIN_TEXT = 0.45
 GAP_PX = 3.0
 DARK: Color = (0, 0, 0)
 BACKGROUND = 0.4
@@ -111,7 +111,7 @@ def _ring(canvas: Bytes, center: tuple[float, float], radius_px: float, color: C
 def _label(canvas: Bytes, text: str, sides_px: tuple[float, float], bottom_px: float, color: Color) -> None:
     """Write right of a thing, or left of it where the picture ends."""
     height, width, _ = canvas.shape
-    scale = max(SMALLEST_TEXT, width / 3000.0)
+    scale = max(MIN_TEXT, width / 3000.0)
     long, high = text_size(text, scale)
     x = sides_px[1] + GAP_PX if sides_px[1] + GAP_PX + long < width else sides_px[0] - GAP_PX - long
     draw_text(canvas, text, (x, min(max(bottom_px, high + GAP_PX), height - GAP_PX)), color, scale)

@@ -21,10 +21,10 @@ import numpy as np
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats
 
-LEAST_HORIZON_PX = 20.0
-LARGEST_PX = 254
+MIN_HORIZON_PX = 20.0
+MAX_PX = 254
 """Two hexadecimal digits; ff means nothing within range."""
-LEAST_SPAN_PX = 3.0
+MIN_SPAN_PX = 3.0
 MM_PER_M = 1000.0
 
 
@@ -52,11 +52,11 @@ class Mirror:
             if not holds:
                 raise SettingsError("a mirror of equation 1", found=found, accepted=accepted)
         horizon = self.horizon_px
-        if not LEAST_HORIZON_PX <= horizon <= LARGEST_PX:
+        if not MIN_HORIZON_PX <= horizon <= MAX_PX:
             raise SettingsError(
                 "a mirror of equation 1",
                 found=f"{found}: the horizon at {horizon:.1f} px",
-                accepted=f"a horizon of {LEAST_HORIZON_PX:.0f}..{LARGEST_PX} px",
+                accepted=f"a horizon of {MIN_HORIZON_PX:.0f}..{MAX_PX} px",
             )
 
     @property
@@ -103,9 +103,9 @@ Default of the fields up to 3 m, and of clients, which version 1 does not tell t
 def check_span(mirror: Mirror, diagonal_m: float) -> None:
     """Raise SettingsError unless the field's diagonal [m] lies at least 3 px beyond one metre."""
     span = mirror.px_from_mm(diagonal_m * MM_PER_M) - mirror.px_from_mm(MM_PER_M)
-    if diagonal_m > 1.0 and span < LEAST_SPAN_PX:
+    if diagonal_m > 1.0 and span < MIN_SPAN_PX:
         raise SettingsError(
             f"a mirror for a field with a diagonal of {diagonal_m:.1f} m",
             found=f"only {span:.1f} px between one metre and the diagonal",
-            accepted=f"at least {LEAST_SPAN_PX:.0f} px",
+            accepted=f"at least {MIN_SPAN_PX:.0f} px",
         )

@@ -27,7 +27,7 @@ Color: TypeAlias = tuple[int, int, int]
 FIXED_BITS = 4
 FIXED = 1 << FIXED_BITS
 
-MOST_HZ = 1000.0
+MAX_HZ = 1000.0
 VIDEOS = "a video that FFmpeg can decode: MP4, AVI, MKV, ..."
 YUYV = cv2.VideoWriter.fourcc(*"YUYV")
 CAMERA_BUFFERS = 2
@@ -149,7 +149,7 @@ class Video:
         self.width_px = round(capture.get(cv2.CAP_PROP_FRAME_WIDTH))
         self.height_px = round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
         rate_hz = capture.get(cv2.CAP_PROP_FPS)
-        self.rate_hz = rate_hz if 0.0 < rate_hz <= MOST_HZ else 0.0
+        self.rate_hz = rate_hz if 0.0 < rate_hz <= MAX_HZ else 0.0
         """Frames per second as the file or driver says; 0: it does not."""
 
     def read(self, pixels: Bytes) -> bool:

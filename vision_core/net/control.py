@@ -22,7 +22,7 @@ PREFIX = "pslv/"
 """Of the names of services."""
 PATIENCE_S = 2.0
 CHUNK = 65536
-LONGEST_ANSWER = 1 << 20
+MAX_ANSWER = 1 << 20
 LISTENING = "00010000"
 """Flags of a socket in /proc/net/unix that waits for connections."""
 
@@ -120,7 +120,7 @@ def _exchange(name: str, request: bytes) -> tuple[bytes, list[int], int]:
             raise PermissionError(errno.EPERM, "it is another user's")
         peer.sendall(request)
         text, descriptors, _, _ = socket.recv_fds(peer, CHUNK, 1)
-        while text and not text.endswith(b"\n") and len(text) < LONGEST_ANSWER:
+        while text and not text.endswith(b"\n") and len(text) < MAX_ANSWER:
             more = peer.recv(CHUNK)
             if not more:
                 break

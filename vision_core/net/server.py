@@ -33,9 +33,9 @@ from vision_core.protocol.session import (
     Sessions,
 )
 
-MOST_DATAGRAMS = 64
+MAX_DATAGRAMS = 64
 """Handled in one go."""
-MOST_OF_ONE = 16
+MAX_OF_ONE = 16
 """Of one socket, before the others have their turn."""
 
 
@@ -153,10 +153,10 @@ class UdpServer:
     def handle_readable(self) -> list[Event]:
         """Take what came in, at most 64 datagrams, and answer; returns what happened."""
         happened: list[Event] = []
-        left = MOST_DATAGRAMS
+        left = MAX_DATAGRAMS
         for descriptor, _ in self._poll.poll(0):
             source = self._listening.get(descriptor)
-            for _ in range(min(left, MOST_OF_ONE)):
+            for _ in range(min(left, MAX_OF_ONE)):
                 if source is None or self._listening.get(descriptor) is not source:
                     break
                 events = self._receive_from(source)

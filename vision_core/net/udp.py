@@ -13,7 +13,7 @@ from vision_core.errors import ServiceError
 Address: TypeAlias = tuple[str, int, int]
 """Host, port, and the scope of an IPv6 link-local address (0 elsewhere)."""
 
-LONGEST_RECEIVED = 2048
+MAX_RECEIVED = 2048
 """The rest of a longer datagram is cut off; it is over every limit anyway [bytes]."""
 SHARED_BUFFER = 1 << 20
 """Of an unconnected socket: a flood must not push out another client's init [bytes]."""
@@ -90,7 +90,7 @@ class SharedSocket:
     def receive(self) -> Datagram | None:
         """The next datagram; None when there is none. An error that the network reported is passed over."""
         try:
-            data, ancillary, _, source = self._socket.recvmsg(LONGEST_RECEIVED, ANCILLARY)
+            data, ancillary, _, source = self._socket.recvmsg(MAX_RECEIVED, ANCILLARY)
         except OSError:
             return None
         return Datagram(data, _address(source), self._arrived_at(ancillary))
@@ -154,7 +154,7 @@ class SessionSocket:
     def receive(self) -> Datagram | Outcome | None:
         """The next datagram; REFUSED when the client's machine said so; None when there is nothing."""
         try:
-            data, source = self._socket.recvfrom(LONGEST_RECEIVED)
+            data, source = self._socket.recvfrom(MAX_RECEIVED)
         except ConnectionRefusedError:
             return Outcome.REFUSED
         except OSError:

@@ -30,7 +30,7 @@ PAPER_INSIDE_PX, SPHERE_INSIDE_PX = 1.55, 0.9
 over it; of a ball, whose shade changes within few pixels, nearer to the rim."""
 SECOND_INSIDE = 1.4
 """Where the inner color is taken a second time, in distances of the first."""
-LEAST_RADIUS = 0.3
+MIN_RADIUS = 0.3
 """In radii: not nearer to the center, for circles of few pixels."""
 RAMP_PX = 1.5
 """Width over which a rim's share falls from 1 to 0."""
@@ -39,16 +39,16 @@ ALIKE = 30.0
 """Sum of three channels' differences up to which colors beyond the rim are one background."""
 NOISE = 5.0
 """Grey levels: a color beyond the rim that differs by less from the background is the background."""
-LEAST_CONTRAST = 20.0
-LEAST_INDEPENDENCE = 0.15
+MIN_CONTRAST = 20.0
+MIN_INDEPENDENCE = 0.15
 """Squared sine of the angle between the inner and the outer color, seen from the background."""
 
 SAME_HUE, DARKEST_SHADE = 0.85, 0.4
 """Squared cosine between two colors of one thing at least, and the darker one's share of the other's light."""
 
-FEWEST_SECTORS = 5
-LARGEST_SHIFT_PX = 1.5
-LARGEST_STEP = 0.8
+MIN_SECTORS = 5
+MAX_SHIFT_PX = 1.5
+MAX_STEP = 0.8
 """Half bands that a rim may be off the supposed circle: more cannot be measured in the band."""
 RIM_SD_PX = 0.075
 """Deviation of a sector's displacement before anything is known of the circle, were its radius one pixel: a longer
@@ -56,7 +56,7 @@ rim has more pixels."""
 PRIOR_SECTORS = 4.0
 RADIUS_SD = 0.05
 """Relative deviation of the radius that the camera model predicts."""
-OUTLIER_SD, LEAST_OUTLIER_PX = 3.0, 0.1
+OUTLIER_SD, MIN_OUTLIER_PX = 3.0, 0.1
 UNREFINED_SD = 0.05
 """Deviation of a center that could not be refined, in radii."""
 
@@ -123,7 +123,7 @@ def fitted_circle(
     _unmix(pixels, x_px, y_px, radius_px, core_x, core_y, inside_px, memory)
     _measure_rim(pixels, x_px, y_px, radius_px, memory)
     dx, dy, sd, used = _fit(radius_px, memory)
-    if used < FEWEST_SECTORS or not dx * dx + dy * dy <= LARGEST_SHIFT_PX * LARGEST_SHIFT_PX:
+    if used < MIN_SECTORS or not dx * dx + dy * dy <= MAX_SHIFT_PX * MAX_SHIFT_PX:
         return x_px, y_px, UNREFINED_SD * radius_px, 0
     for k in range(SECTORS):
         if memory[BEYOND + k] != 0.0:
@@ -151,7 +151,7 @@ def _unmix(
         fq = f0 * q0 + f1 * q1 + f2 * q2
         qq = q0 * q0 + q1 * q1 + q2 * q2 + NOISE * NOISE
         volume = ff * qq - fq * fq
-        distinct = (ff > LEAST_CONTRAST * LEAST_CONTRAST) & (volume > LEAST_INDEPENDENCE * ff * qq)
+        distinct = (ff > MIN_CONTRAST * MIN_CONTRAST) & (volume > MIN_INDEPENDENCE * ff * qq)
         memory[USED + k] = 1.0 if alike & distinct else 0.0
         share = 1.0 / max(volume, 1.0)
         inner, outer = share * qq, share * fq
@@ -164,8 +164,8 @@ def _unmix(
 def _look(pixels: Bytes, x: float, y: float, radius: float, inside: float, memory: Floats) -> None:
     """Take the colors beyond the rim and inside of it, the mean of two places."""
     beyond = radius + OUTSIDE_PX
-    near = max(radius - inside, LEAST_RADIUS * radius)
-    far = max(radius - SECOND_INSIDE * inside, LEAST_RADIUS * radius)
+    near = max(radius - inside, MIN_RADIUS * radius)
+    far = max(radius - SECOND_INSIDE * inside, MIN_RADIUS * radius)
     for k in range(SECTORS):
         c, s = _NORMALS[k, 0], _NORMALS[k, 1]
         v, u = _pixel_at(pixels, x + beyond * c, y + beyond * s)
@@ -242,7 +242,7 @@ def _measure_rim(pixels: Bytes, x: float, y: float, radius: float, memory: Float
         _measure_row(pixels, v, hole_after, after, x, dy, radius, memory)
     for k in range(SECTORS):
         memory[SHARES + k] *= 2.0 * BAND_PX / max(memory[PIXELS + k], 1.0)
-        if memory[PIXELS + k] < 2.0 or abs(memory[SHARES + k]) > LARGEST_STEP * BAND_PX:
+        if memory[PIXELS + k] < 2.0 or abs(memory[SHARES + k]) > MAX_STEP * BAND_PX:
             memory[BEYOND + k] = max(memory[BEYOND + k], memory[USED + k] * (memory[SHARES + k] > 0.0))
             memory[USED + k] = 0.0
 
@@ -285,7 +285,7 @@ def _fit(radius: float, memory: Floats) -> tuple[float, float, float, int]:
         cd, sd, d1, count = cd + c * d, sd + s * d, d1 + d, count + w
     while True:
         used, n1 = int(count), trust + count
-        if used < FEWEST_SECTORS:
+        if used < MIN_SECTORS:
             return 0.0, 0.0, 0.0, used
         xx, yy, xy = cc - c1 * c1 / n1, ss - s1 * s1 / n1, cs - c1 * s1 / n1  # the radius is eliminated
         xd, yd = cd - c1 * d1 / n1, sd - s1 * d1 / n1
@@ -300,7 +300,7 @@ def _fit(radius: float, memory: Floats) -> tuple[float, float, float, int]:
                 worst, worst_off = k, off
         variance = squares / (PRIOR_SECTORS + max(used - 3, 0))
         others = (squares - worst_off * worst_off) / (PRIOR_SECTORS + max(used - 4, 0))
-        if worst_off <= max(OUTLIER_SD * math.sqrt(others), LEAST_OUTLIER_PX):
+        if worst_off <= max(OUTLIER_SD * math.sqrt(others), MIN_OUTLIER_PX):
             return dx, dy, math.sqrt(0.5 * variance * (xx + yy) / volume), used
         memory[USED + worst] = 0.0
         c, s, d = _NORMALS[worst, 0], _NORMALS[worst, 1], memory[SHARES + worst]

@@ -38,7 +38,7 @@ DARKEST_SHADOW = 0.45
 BRIGHTER = 0.35
 """Share of the carpet's brightness by which a thing must differ, beside the grey levels of the settings."""
 LONGEST = 3.0
-LEAST_FILL = 0.4
+MIN_FILL = 0.4
 """Longer side of a thing's box over the shorter, and the share of the box that it fills: walls' shadows are long."""
 POINTS_PER_LINE = 200
 
@@ -159,7 +159,7 @@ class ObstacleFinder:
             radius_m = math.sqrt(region.area_px / math.pi) * self._cell_m
             longer, shorter = max(region.width_px, region.height_px), min(region.width_px, region.height_px)
             fits = self._settings.min_radius_m <= radius_m <= self._settings.max_radius_m
-            if fits and longer <= LONGEST * shorter and region.area_px >= LEAST_FILL * longer * shorter:
+            if fits and longer <= LONGEST * shorter and region.area_px >= MIN_FILL * longer * shorter:
                 found.append(self._thing(region.center_px, radius_m))
         return tuple(found)
 

@@ -14,7 +14,7 @@ from vision_core.patterns.geometry import Shape, depth_mm, middle_mm, rim_mm, tu
 from vision_core.patterns.loader import Pattern, looks
 from vision_core.types.objects import Team
 
-LEAST_PX = 5.0
+MIN_PX = 5.0
 """A blob narrower than this has no color of its own: its rim is mixed with what lies round it."""
 TURN_STEP_DEG = 3
 
@@ -48,8 +48,8 @@ class PatternReport:
 
     @property
     def coarsest_mm_per_px(self) -> float:
-        """At a coarser resolution the smallest patch is narrower than LEAST_PX."""
-        return self.smallest_mm / LEAST_PX
+        """At a coarser resolution the smallest patch is narrower than MIN_PX."""
+        return self.smallest_mm / MIN_PX
 
 
 def report_on(pattern: Pattern) -> PatternReport:

@@ -31,10 +31,10 @@ from vision_core.venues.loader import Layer, find_file, read_layer
 TEAM, CODE = "team", "code"
 """Colors of patches that differ from robot to robot; any other color is a color class that all wear."""
 
-MOST_OVERLAP_MM = 0.6
+MAX_OVERLAP_MM = 0.6
 """Scissors are not more exact."""
-MOST_BEYOND_MM = 0.05
-LEAST_WIDTH_MM = 2.0
+MAX_BEYOND_MM = 0.05
+MIN_WIDTH_MM = 2.0
 HIGHEST_ID = 255
 
 ColorName = Annotated[str, Meta(pattern="^[A-Za-z][A-Za-z0-9_-]*$")]
@@ -137,12 +137,12 @@ def _check_patch(asked: str, number: int, patch: Patch, robot: RobotShape) -> No
     if patch.polygon_mm is not None:
         _check_polygon(asked, patch.polygon_mm)
     edge_mm = 1e3 * robot.radius_m
-    if (reach := reach_mm(patch, robot.outline)) > edge_mm + MOST_BEYOND_MM:
+    if (reach := reach_mm(patch, robot.outline)) > edge_mm + MAX_BEYOND_MM:
         half = "half side" if robot.outline == "square" else "radius"
         found = f"patch {number} reaches {reach:.4g} mm from the center, the robot's {half} is {edge_mm:.4g} mm"
         raise SettingsError(asked, found=found, accepted="patches within the robot's outline")
-    if (width := width_mm(patch)) < LEAST_WIDTH_MM:
-        raise SettingsError(asked, found=f"{width:.2g} mm wide", accepted=f"at least {LEAST_WIDTH_MM:g} mm")
+    if (width := width_mm(patch)) < MIN_WIDTH_MM:
+        raise SettingsError(asked, found=f"{width:.2g} mm wide", accepted=f"at least {MIN_WIDTH_MM:g} mm")
 
 
 def _check_polygon(asked: str, corners: Polygon) -> None:
@@ -158,7 +158,7 @@ def _check_polygon(asked: str, corners: Polygon) -> None:
 
 def _check_overlaps(layer: Layer, pattern: Pattern) -> None:
     for (i, patch), (j, other) in combinations(enumerate(pattern.patches, start=1), 2):
-        if (wide := overlap_mm(patch, other)) > MOST_OVERLAP_MM:
+        if (wide := overlap_mm(patch, other)) > MAX_OVERLAP_MM:
             raise SettingsError(
                 f"pattern {layer.name}: patches {i} and {j}",
                 found=f"they overlap, {wide:.2g} mm wide",

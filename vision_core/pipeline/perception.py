@@ -1,6 +1,6 @@
 """The second to fourth stage composed: a frame in, sightings out, in one compiled call.
 
-Where robots and ball were in the last frame tells where to look: windows round them, and beside these a strip that
+Where robots and ball were in the last frame tells where to look: windows round them, and beside these a band that
 rolls over the picture for what is new. When fewer robots are seen than of late, or no ball, the whole frame is
 searched at once, in the same call.
 """
@@ -26,14 +26,14 @@ from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
 from vision_core.types.prefilter import Candidates
-from vision_core.types.tables import BLOB, MOST_BALLS, MOST_ROBOTS, TEAMS, SightingsTable, Table
+from vision_core.types.tables import BLOB, MAX_BALLS, MAX_ROBOTS, TEAMS, SightingsTable, Table
 
 Row: TypeAlias = Any
 """One row of a table."""
 
 ROBOT_M_S, BALL_M_S = 4.0, 10.0
 """Faster than these nothing moves: so large are the windows."""
-LONGEST_GAP_S = 0.1
+MAX_GAP_S = 0.1
 """After a longer gap the whole frame is searched."""
 REMEMBERED = 60
 """Frames for which a robot that vanished is searched in the whole frame."""
@@ -70,7 +70,7 @@ def perceive_picture(pixels: Bytes, gap_s: float, kept: Kept, blobs: Table, seen
     """
     eyes: Eyes = kept.value
     frame, watch = seen[0], eyes.watch
-    follows = 0.0 <= gap_s <= LONGEST_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= watch[EXPECTED]
+    follows = 0.0 <= gap_s <= MAX_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= watch[EXPECTED]
     windows = _windows(frame, gap_s, eyes) if follows else 0
     whole, count = not follows, 0
     while True:
@@ -180,7 +180,7 @@ class Perception:
             balls=ball_finder(settings, self.table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),
             radii_m=np.array([*(2.0**0.5 * shape.radius_m for shape in shapes), radius]),
-            windows=np.zeros((MOST_ROBOTS + MOST_BALLS, 4), dtype=np.int32),
+            windows=np.zeros((MAX_ROBOTS + MAX_BALLS, 4), dtype=np.int32),
             watch=np.zeros(2, dtype=np.int64),
         )
 

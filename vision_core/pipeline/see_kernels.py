@@ -28,10 +28,10 @@ REQUEST = np.dtype(
 """What one client asked for. first, step: of its directions, in rays of a grid of so many, anticlockwise; a, b, c, d:
 of the mirror, d = a^2 - b^2 c."""
 
-MOST_HEAD = 32
+MAX_HEAD = 32
 """Where edges begin in a datagram's slot; its head ends here [bytes]."""
 SLOT = 1408
-"""From one datagram to the next [bytes]: MOST_HEAD, 3 * MOST_DIRECTIONS and the ball."""
+"""From one datagram to the next [bytes]: MAX_HEAD, 3 * MAX_DIRECTIONS and the ball."""
 WORDS = SLOT // 4
 HEAD = np.frombuffer(b"(see ", dtype=np.uint8)
 EDGE = np.frombuffer(b" ((edge) ", dtype=np.uint8)
@@ -50,7 +50,7 @@ class Ink(NamedTuple):
     words: "np.ndarray[tuple[int], np.dtype[np.uint32]]"
     """The same memory, shape (n * WORDS,)."""
     px: Bytes
-    """Of one view through a client's own mirror or grid, shape (MOST_RAYS,)."""
+    """Of one view through a client's own mirror or grid, shape (MAX_RAYS,)."""
     page_px: Bytes
     """Of every viewer through the field's, every whole degree, shape (VIEWERS, 360)."""
 
@@ -90,11 +90,11 @@ def write_see(
     time_ns: grab of the image since the server's start, 0 when it was before; kinds, px: of every ray of the viewer's
     grid, shape (rays,).
     """
-    edges = slot * SLOT + MOST_HEAD
+    edges = slot * SLOT + MAX_HEAD
     start = _write_head(max(time_ns, 0) // 1000, request.us, edges, ink.text)
     finer = rays // request.rays
     _write_edges(px, kinds, request.first * finer, request.step * finer, rays, request.directions,
-                 ink.letters[request.letters], slot * WORDS + MOST_HEAD // 4, ink)  # fmt: skip
+                 ink.letters[request.letters], slot * WORDS + MAX_HEAD // 4, ink)  # fmt: skip
     end = _copy(BALL, ink.text, edges + 3 * request.directions)
     distance, direction, size = ball_words(seen, request)
     end = _write_number(distance, ink.text, end)

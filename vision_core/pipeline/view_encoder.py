@@ -22,9 +22,9 @@ from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
-from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, Table, ViewsTable, WorldTable
+from vision_core.types.tables import DIRECTIONS, MAX_NUMBERS, Table, ViewsTable, WorldTable
 from vision_core.views.outlines import Integers
-from vision_core.views.renderer import MOST_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
+from vision_core.views.renderer import MAX_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
 
 TYPES = ("same", "team", "number")
 
@@ -97,7 +97,7 @@ def _write_views(world: Table, sight: Sight, page: Table, page_px: Bytes, views:
             continue
         view = views[0].views[count]
         count += 1
-        view.team, view.number = viewer // MOST_NUMBERS, viewer % MOST_NUMBERS + 1
+        view.team, view.number = viewer // MAX_NUMBERS, viewer % MAX_NUMBERS + 1
         view.overlap, view.partial = seen.overlap, 0.0 < seen.ball_share < 1.0
         view.ball_px, view.ball_direction_deg, view.ball_size_deg = ball_words(seen, request)
         finer = sight.rays[viewer] // DIRECTIONS
@@ -173,7 +173,7 @@ class Messages:
         words = np.zeros(max(count, 1) * SLOT // 4, dtype=np.uint32)
         hex_words = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).encode(), dtype=np.uint32).copy()
         text = words.view(np.uint8)
-        self.ink = Ink(hex_words, self._letters, text, words, np.zeros(MOST_RAYS, dtype=np.uint8), self._page_px)
+        self.ink = Ink(hex_words, self._letters, text, words, np.zeros(MAX_RAYS, dtype=np.uint8), self._page_px)
         self._all = np.ones(count, dtype=np.uint8)
         self._batch = Batch(text, np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64))
         self._kept = keep(

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.messages import (
-    LARGEST_NUMBER,
+    MAX_NUMBER,
     US_PER_S,
     Ball,
     Bye,
@@ -31,9 +31,9 @@ from vision_core.protocol.options import encode_options, options_from_forms
 from vision_core.protocol.s_expressions import SPACE, Form, integer, parse_forms, real
 from vision_core.types.objects import Team
 
-LONGEST_COMMAND = 1024
+MAX_COMMAND = 1024
 """Longer datagrams of clients are dropped before anything is looked at [bytes]."""
-LONGEST_ANSWER = 2048
+MAX_ANSWER = 2048
 """Longer datagrams of servers are dropped [bytes]; ours have at most 1400."""
 MODES = frozenset({"before_kick_off", "play_on", "time_over"})
 """Play modes in a server's answer to ``init``."""
@@ -55,7 +55,7 @@ _NAME = re.compile(r"[a-z_]{1,39}")
 
 def decode_commands(datagram: bytes) -> Request | None:
     """What a client's datagram asks for; None when it deserves no answer."""
-    if len(datagram) > LONGEST_COMMAND:
+    if len(datagram) > MAX_COMMAND:
         return None
     body = datagram.strip(SPACE + b"\0") if datagram.endswith(b"\0") else datagram.strip(SPACE)
     head = _HEAD.match(body)
@@ -72,7 +72,7 @@ def decode_commands(datagram: bytes) -> Request | None:
 
 def decode_message(datagram: bytes) -> ServerMessage | None:
     """What a server says; None for anything that we do not understand."""
-    if len(datagram) > LONGEST_ANSWER:
+    if len(datagram) > MAX_ANSWER:
         return None
     body = datagram.strip(SPACE + b"\0")
     if body.startswith(b"(see"):
@@ -151,7 +151,7 @@ def _team(word: str | Form) -> Team | None:
 
 def _number(word: str | Form) -> int | None:
     number = integer(word)
-    return number if number is not None and 1 <= number <= LARGEST_NUMBER else None
+    return number if number is not None and 1 <= number <= MAX_NUMBER else None
 
 
 def _inside(name: str, part: str | Form) -> str | Form:

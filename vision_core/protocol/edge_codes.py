@@ -7,7 +7,7 @@ import numpy as np
 
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes, frozen
-from vision_core.protocol.messages import LARGEST_NUMBER
+from vision_core.protocol.messages import MAX_NUMBER
 from vision_core.types.field import EdgeKind
 
 BRACKETS = "()"
@@ -40,7 +40,7 @@ class LetterTable:
             first = getattr(self, field.name)
             if len(first) != 1 or not "!" <= first <= "~":
                 raise SettingsError(f"letter {field.name}", found=repr(first), accepted="one printable character")
-            count = LARGEST_NUMBER if field.name.startswith("first_") else 1
+            count = MAX_NUMBER if field.name.startswith("first_") else 1
             for letter in (chr(ord(first) + i) for i in range(count)):
                 if letter > "~" or letter in BRACKETS:
                     raise SettingsError(f"letter {field.name}", found=repr(letter), accepted="letters, no bracket")
@@ -65,7 +65,7 @@ def letters_by_kind(table: LetterTable, types: str) -> Bytes:
         (EdgeKind.ROBOT_BLUE, table.blue, table.first_blue),
         (EdgeKind.ROBOT_YELLOW, table.yellow, table.first_yellow),
     ):
-        letters[first : first + LARGEST_NUMBER + 1] = ord(table.robot if types == "same" else team)
+        letters[first : first + MAX_NUMBER + 1] = ord(table.robot if types == "same" else team)
         if types == "number":
-            letters[first + 1 : first + LARGEST_NUMBER + 1] = ord(numbered) + np.arange(LARGEST_NUMBER)
+            letters[first + 1 : first + MAX_NUMBER + 1] = ord(numbered) + np.arange(MAX_NUMBER)
     return frozen(letters)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from vision_core.clock import NS_PER_S, Instant, seconds_between
 from vision_core.protocol.codec import decode_commands, encode
-from vision_core.protocol.messages import LONGEST_LAG_S, Init, Lag
+from vision_core.protocol.messages import MAX_LAG_S, Init, Lag
 from vision_core.protocol.rate_limits import Allowance
 from vision_core.types.objects import Team
 
@@ -145,7 +145,7 @@ class Session:
         printed_us = (self.served - self.boot) // tick_ns * tick_ns // NS_PER_US
         if self.served_at == NEVER or lag.time_us != printed_us:
             return
-        if not all(0.0 <= share_s <= LONGEST_LAG_S for share_s in (lag.hold_s, lag.client_s or 0.0)):
+        if not all(0.0 <= share_s <= MAX_LAG_S for share_s in (lag.hold_s, lag.client_s or 0.0)):
             return
         if self.reported != NEVER and seconds_between(self.reported, now) < REPORT_PERIOD_S:
             return

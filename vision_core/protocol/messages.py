@@ -8,9 +8,9 @@ from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
 
 US_PER_S = 1_000_000
-LARGEST_NUMBER = 16
+MAX_NUMBER = 16
 """Robots per team that the letters of ``(types number)`` can tell apart."""
-LONGEST_LAG_S = 10.0
+MAX_LAG_S = 10.0
 """A client's report of more than this is no lag but a mistake."""
 NOTHING_PX = 0xFF
 """An edge of ``ff`` pixels: nothing within range."""

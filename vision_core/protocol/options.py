@@ -20,11 +20,11 @@ from vision_core.protocol.s_expressions import Form, integer, real
 
 HIGHEST_VERSION = 1
 """A client that asks for more is answered with this."""
-LONGEST_DATAGRAM = 1400
+MAX_DATAGRAM = 1400
 """Of the server [bytes]: fits an Ethernet frame with every header in use."""
 SEE_FRAME = len("(see 9999999999.999999 ((edge) ) ((ball) 254 359 360))\0")
 """What a ``see`` is long beside its edges, at most."""
-MOST_DIRECTIONS = (LONGEST_DATAGRAM - SEE_FRAME) // 3
+MAX_DIRECTIONS = (MAX_DATAGRAM - SEE_FRAME) // 3
 TICKS_PER_DEG = 4
 """Directions lie on a grid of a quarter of a degree."""
 FASTEST_HZ = 1000
@@ -174,7 +174,7 @@ def _on_grid(angle_deg: float) -> bool:
 
 def _fits(options: Options) -> bool:
     on_grid = _on_grid(options.first_deg) and _on_grid(options.resolution_deg)
-    return on_grid and 1 <= options.directions <= MOST_DIRECTIONS
+    return on_grid and 1 <= options.directions <= MAX_DIRECTIONS
 
 
 def _version(options: Options, words: Sequence[str | Form]) -> Options | None:

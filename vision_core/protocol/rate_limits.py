@@ -8,7 +8,7 @@ from vision_core.protocol.error_codes import ErrorName
 MESSAGES_PER_S = 20.0
 MESSAGE_BURST = 40
 COMPLAINT_PERIOD_S = 5.0
-MOST_SOURCES = 4096
+MAX_SOURCES = 4096
 
 
 class TokenBucket:
@@ -50,7 +50,7 @@ class Allowance:
 class Sources:
     """An allowance per address; the least recently used is forgotten beyond 4096."""
 
-    def __init__(self, most: int = MOST_SOURCES) -> None:
+    def __init__(self, most: int = MAX_SOURCES) -> None:
         self._most = most
         self._allowances: OrderedDict[str, Allowance] = OrderedDict()
 

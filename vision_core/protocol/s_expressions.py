@@ -6,7 +6,7 @@ from typing import TypeAlias, Union
 SPACE = b" \t\r\n\v\f"
 DEEPEST = 3
 """``(a (b (c)))``: no command nests deeper."""
-MOST_FORMS = 16
+MAX_FORMS = 16
 """One datagram may hold a form per robot of a team."""
 
 Form: TypeAlias = tuple[Union[str, "Form"], ...]
@@ -26,7 +26,7 @@ def parse_forms(body: bytes) -> tuple[Form, ...] | None:
     for match in _TOKENS.finditer(body.decode("ascii").lower()):
         word = match.group()
         if word == "(":
-            if len(open_forms) == DEEPEST or len(done) == MOST_FORMS:
+            if len(open_forms) == DEEPEST or len(done) == MAX_FORMS:
                 return None
             open_forms.append([])
         elif not open_forms:

@@ -14,7 +14,7 @@ from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SettingsError
 from vision_core.models.mirror import check_span
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.codec import LONGEST_COMMAND, decode_commands, encode
+from vision_core.protocol.codec import MAX_COMMAND, decode_commands, encode
 from vision_core.protocol.error_codes import ErrorName
 from vision_core.protocol.lifecycle import Change, Peer, Port, Session, State
 from vision_core.protocol.messages import Bye, Command, Error, Faulty, Init, InitReply, Lag, Warn
@@ -131,7 +131,7 @@ class Sessions:
         """What a datagram leads to."""
         self.counts.received += 1
         owned = [session for session in self if session.peer == peer]
-        if len(datagram) > LONGEST_COMMAND:
+        if len(datagram) > MAX_COMMAND:
             self.counts.ignored += 1
             return []
         allowance = owned[0].allowance if owned else self._sources.of(peer.host)

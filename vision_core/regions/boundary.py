@@ -42,15 +42,15 @@ DARKEST = 0.5
 """Share of its light that a shadow leaves the carpet."""
 BRIGHTER = 0.15
 """Share of its light by which carpet may be brighter than the surface says."""
-LEAST_CHANGE = 5.0
+MIN_CHANGE = 5.0
 """Grey levels of light or color by which carpet may differ anywhere."""
-LEAST_TURN = 6.0
+MIN_TURN = 6.0
 """Grey levels by which its color may turn in full light, and in proportion where it is dimmer."""
 DEVIATIONS = 4.0
 """Beside these, light and color may differ by so many median deviations of the carpet's own."""
-FEWEST_BEYOND = 2
+MIN_BEYOND = 2
 """So many samples beyond a boundary must lie in the picture."""
-FEWEST_RAYS = 5
+MIN_RAYS = 5
 """Of a side of the field that must be seen to judge by it."""
 LUMA = np.array([0.114, 0.587, 0.299], dtype=np.float32)
 
@@ -98,7 +98,7 @@ class BoundaryFinder:
         last = counted.argmax(axis=1)
         before = np.arange(SAMPLES) <= last[:, None]
         inside, beyond = (self._visible & before), (self._visible & ~before)
-        seen = (counted.max(axis=1) > 0) & (beyond.sum(axis=1) >= FEWEST_BEYOND)
+        seen = (counted.max(axis=1) > 0) & (beyond.sum(axis=1) >= MIN_BEYOND)
         points = self._between(last)
         points[~seen] = np.nan
         right = _share(carpet, inside) * _share(~carpet, beyond)
@@ -117,10 +117,10 @@ class BoundaryFinder:
         share = light / np.float32(ring_light)
         turned = color - ring_color * share[..., None]
         turn = np.hypot(turned[..., 0], turned[..., 1])
-        usual = LEAST_TURN + DEVIATIONS * float(np.median(turn.ravel()[self._ring]))
-        margin = LEAST_CHANGE + DEVIATIONS * spread
+        usual = MIN_TURN + DEVIATIONS * float(np.median(turn.ravel()[self._ring]))
+        margin = MIN_CHANGE + DEVIATIONS * spread
         lit = (light >= DARKEST * surface - margin) & (light <= (1.0 + BRIGHTER) * surface + margin)
-        return np.asarray(lit & (turn <= LEAST_CHANGE + usual * np.minimum(share, 1.0)))
+        return np.asarray(lit & (turn <= MIN_CHANGE + usual * np.minimum(share, 1.0)))
 
     def _lit(self, light: Levels) -> tuple[Levels, float]:
         """The carpet's light as a smooth surface, shape (RAYS, SAMPLES), and its median deviation from it."""
@@ -147,7 +147,7 @@ class BoundaryFinder:
         away = ((points - self._expected_px) * self._outward).sum(axis=1)[judged]
         away -= np.clip(away, -self._line_px[judged], 0.0)  # a line along the wall is neither carpet nor wall
         sides = [away[self._side[judged] == side] for side in range(4)]
-        medians = [abs(float(np.median(side))) for side in sides if len(side) >= FEWEST_RAYS]
+        medians = [abs(float(np.median(side))) for side in sides if len(side) >= MIN_RAYS]
         return FieldBoundary(
             points_px=tuple((x, y) for x, y in points.tolist()),
             confidences=tuple(confidences.tolist()),

@@ -15,7 +15,7 @@ ALIKE = 2.5
 DARK, BLACK = 100.0, 30.0
 """Grey levels that something on a field reaches: a line, a marker, a ball."""
 WHITE = 250
-MOST_WHITE, MOST_AT_END = 0.15, 0.4
+MAX_WHITE, MAX_AT_END = 0.15, 0.4
 """Share of the field in which two channels may be at the sensor's end, and one."""
 LUMA = np.array([0.114, 0.587, 0.299])
 NOTHING = "the picture shows nothing of the field: camera position or field measures are wrong"
@@ -65,6 +65,6 @@ def _blamed(brightest: float, deviation: float, two: float, one: float) -> tuple
         return ("the picture shows nothing: every pixel of the field has the same color",)
     if brightest < DARK:
         return (f"too dark: nothing on the field is brighter than {brightest:.0f} of 255 (lamps, exposure?)",)
-    if two > MOST_WHITE or one > MOST_AT_END:
+    if two > MAX_WHITE or one > MAX_AT_END:
         return (f"over-exposed: {one:.0%} of the field is as bright as the sensor can tell (exposure, gain?)",)
     return ()

@@ -12,13 +12,13 @@ from vision_core.types.regions import LineCheck
 
 PER_LINE = 60
 ASIDE = 2.0
-"""The carpet beside a line is looked at so many line widths from its middle, but at least `LEAST_ASIDE_PX`."""
-LEAST_ASIDE_PX = 4.0
+"""The carpet beside a line is looked at so many line widths from its middle, but at least `MIN_ASIDE_PX`."""
+MIN_ASIDE_PX = 4.0
 SHIFTS_PX = np.arange(-3.0, 3.5)
 """A line may lie so far from its place: calibrations are not perfect."""
 CONTRAST = 10.0
 """Grey levels by which paint differs from carpet."""
-LEAST_POINTS = 15
+MIN_POINTS = 15
 THINNEST_PX = 1.0
 ALONG = 0.5
 """Share of its length on which a line must be found."""
@@ -83,7 +83,7 @@ def line_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tu
 
 
 def _inside(points: Floats, shape: tuple[int, ...]) -> np.ndarray:
-    margin = LEAST_ASIDE_PX + SHIFTS_PX[-1]
+    margin = MIN_ASIDE_PX + SHIFTS_PX[-1]
     with np.errstate(invalid="ignore"):
         inside: np.ndarray = ((points >= margin) & (points <= np.array(shape[::-1]) - 1.0 - margin)).all(axis=1)
     return inside
@@ -94,11 +94,11 @@ def _looked_at(pixels: Bytes, line: Floats, inside: np.ndarray, width_px: float)
     along = np.gradient(line, axis=0)
     length = np.hypot(along[:, 0], along[:, 1])
     usable = inside & (length > 0.0)
-    if usable.sum() < LEAST_POINTS:
+    if usable.sum() < MIN_POINTS:
         return None
     across = np.column_stack([-along[:, 1], along[:, 0]])[usable] / length[usable, None]
     places = line[usable] + across * SHIFTS_PX[:, None, None]
-    aside = across * max(ASIDE * width_px, LEAST_ASIDE_PX)
+    aside = across * max(ASIDE * width_px, MIN_ASIDE_PX)
     here, left, right = _luma(pixels, np.stack([places, places + aside, places - aside]))
     painted = (here - left > CONTRAST) & (here - right > CONTRAST)
     shares = painted.mean(axis=1)

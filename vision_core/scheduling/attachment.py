@@ -23,7 +23,7 @@ VARIABLE = "PSLV_HANDDOWN"
 BEAT = "beat"
 """Record of each process by which it says that it lives."""
 PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
-LONGEST_NAME = 15
+MAX_NAME = 15
 """Of a process, as the kernel keeps it [bytes]."""
 
 
@@ -129,7 +129,7 @@ def end_with(parent: int) -> None:
 
 def name_process(name: str) -> None:
     """Let ``top`` and ``ps`` call this process so; what is too long is cut."""
-    ctypes.CDLL(None).prctl(PR_SET_NAME, name.encode()[:LONGEST_NAME])
+    ctypes.CDLL(None).prctl(PR_SET_NAME, name.encode()[:MAX_NAME])
 
 
 def monotonic() -> Instant:

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from vision_core.scheduling.task import DRIVER, HIGHEST_PRIORITY, LONGEST_RUN_S, NONE, PERIOD, Task
+from vision_core.scheduling.task import DRIVER, HIGHEST_PRIORITY, MAX_RUN_S, NONE, PERIOD, Task
 
 MS_PER_S = 1e3
-SHORTEST_PERIOD_S = 0.001
+MIN_PERIOD_S = 0.001
 ROOM = 0.95
 """Share of a core that real-time tasks may take together: the kernel stops them at that."""
 
@@ -136,7 +136,7 @@ def _rate(task: Task, camera_rate_hz: float) -> Iterator[Problem]:
     if task.trigger == NONE and (task.priority or task.cores or period_s):
         yield Problem(f"{key}.priority", "a priority, a period or cores", "none of them: it has a loop of its own")
         return
-    if 0.0 < period_s < SHORTEST_PERIOD_S:
+    if 0.0 < period_s < MIN_PERIOD_S:
         yield Problem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}: an impossible rate", "1 ms or more")
         return
     if task.trigger == DRIVER and period_s:
@@ -148,8 +148,8 @@ def _rate(task: Task, camera_rate_hz: float) -> Iterator[Problem]:
     if task.trigger != NONE and task.budget_s > between_s:
         found = f"{task.budget_s * MS_PER_S:g} for what comes every {between_s * MS_PER_S:g} ms: an impossible rate"
         yield Problem(f"{key}.budget_ms", found, "at most the time between two releases")
-    if task.budget_s > LONGEST_RUN_S:
+    if task.budget_s > MAX_RUN_S:
         found = f"{task.budget_s * MS_PER_S:g}"
-        yield Problem(f"{key}.budget_ms", found, f"at most {LONGEST_RUN_S * MS_PER_S:g}: what runs longer hangs")
+        yield Problem(f"{key}.budget_ms", found, f"at most {MAX_RUN_S * MS_PER_S:g}: what runs longer hangs")
     if not 0 <= task.priority <= HIGHEST_PRIORITY:
         yield Problem(f"{key}.priority", f"{task.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")

@@ -15,7 +15,7 @@ from vision_core.timing.running_rate import RunningRate
 
 PUBLISH_EVERY_NS = NS_PER_S // 2
 INTERVALS_KEPT = 256
-LONGEST_NOTE = 500
+MAX_NOTE = 500
 
 
 class Gauge:
@@ -93,7 +93,7 @@ class Gauge:
             response_max_ms=responses[-1] / NS_PER_MS if responses else 0.0,
             interval_mean_ms=_mean(self._intervals_ns) / NS_PER_MS,
             interval_sd_ms=_deviation(self._intervals_ns) / NS_PER_MS,
-            note=self.note[:LONGEST_NOTE],
+            note=self.note[:MAX_NOTE],
         )
         self._writer.write(info, now, now)
         self._timing.write(self._histograms.encode(), now, now)

@@ -7,7 +7,7 @@ DRIVER, PERIOD, NONE = "driver", "period", "none"
 HIGHEST_PRIORITY = 90
 """Of a task. What watches over them must come first, and the kernel's own threads before that."""
 
-LONGEST_RUN_S = 4.0
+MAX_RUN_S = 4.0
 """A task that computes for longer without a beat is taken for hung, whatever its period is."""
 
 

@@ -92,7 +92,7 @@ class SyntheticSettings(Record, frozen=True):
     brightness: Annotated[float, Meta(gt=0.0, le=4.0)]
     shadows: Share
     clutter: bool
-    feet: Annotated[int, Meta(ge=0, le=20)]
+    walking_people: Annotated[int, Meta(ge=0, le=20)]
 
 
 class GoalSettings(Record, frozen=True):
@@ -150,7 +150,7 @@ class LightSettings(Record, frozen=True):
         tuple[Level, Level, Level], Meta(description="their color over black in the venue's light")
     ]
     white_balance: Annotated[bool, Meta(description="a gain of its own for every channel; otherwise one for all three")]
-    beyond_m: Annotated[float, Meta(ge=-1.0, le=1.0, description="samples reach so far beyond the walls or limits")]
+    margin_m: Annotated[float, Meta(ge=-1.0, le=1.0, description="samples reach so far beyond the walls or limits")]
 
 
 class SamplingSettings(Record, frozen=True):
@@ -180,8 +180,8 @@ class BlobSettings(Record, frozen=True):
     max_runs: Annotated[int, Meta(ge=100, le=10_000_000)]
     max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
     row_step: Annotated[float, Meta(ge=0.01, le=1.0, description="between rows looked at, of the smallest dot")]
-    strip: Annotated[float, Meta(ge=0.001, le=1.0, description="share of the picture looked at beside the windows")]
-    most_flooded: Annotated[float, Meta(ge=0.0, le=1.0, description="share of the picture; over it, all is read")]
+    scan_band: Annotated[float, Meta(ge=0.001, le=1.0, description="share of the picture looked at beside the windows")]
+    max_flood_fraction: Annotated[float, Meta(ge=0.0, le=1.0, description="share of the picture; over it, all is read")]
 
 
 class RobotShape(Record, frozen=True):
@@ -204,7 +204,7 @@ class RobotSettings(RobotShape, frozen=True):
     pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
     min_area: Annotated[float, Meta(gt=0.0, description="smallest area of a dot as a share of the predicted one")]
     max_area: Annotated[float, Meta(gt=0.0)]
-    beyond_m: Annotated[float, Meta(ge=-1.0, le=5.0, description="how far outside the walls or limits robots may be")]
+    margin_m: Annotated[float, Meta(ge=-1.0, le=5.0, description="how far outside the walls or limits robots may be")]
     dot_tolerance_m: Annotated[float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place")]
     min_confidence: Share
     circle_floor_px: Annotated[

@@ -13,7 +13,7 @@ def start(handle: Handle) -> Step:
     """Spread samples over the field, and load the kernel."""
     settings = handle.settings
     size, light = (settings.camera.width_px, settings.camera.height_px), settings.colors.light
-    samples = field_samples(camera_model_from(settings), settings.field, size, light.beyond_m)
+    samples = field_samples(camera_model_from(settings), settings.field, size, light.margin_m)
 
     def look(pixels: Bytes) -> ColorDrift:
         seen = light_of(pixels, samples, light)

@@ -26,10 +26,10 @@ GIVEN = ("service", "processes", "selftest")
 COMPILER = "compile"
 SOURCE = "source"
 """Task that plays the camera, when there is none."""
-LARGEST_OWN = 65536
+MAX_OWN = 65536
 """Record of a task of one's own [bytes]."""
 PERIODS_VALID = 3.0
-MOST_VALID_HZ = 12.0
+MAX_VALID_HZ = 12.0
 """A record of a faster task of one's own is valid for as long as one of this rate: a quarter of a second."""
 S_PER_MS = 1e-3
 
@@ -169,7 +169,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
     ]
     there = {spec.name for spec in declared}
     own = [
-        RecordSpec(record, LARGEST_OWN, PERIODS_VALID / min(task.rate_hz(camera.rate_hz), MOST_VALID_HZ))
+        RecordSpec(record, MAX_OWN, PERIODS_VALID / min(task.rate_hz(camera.rate_hz), MAX_VALID_HZ))
         for task in tasks
         for record in task.writes
         if record not in there

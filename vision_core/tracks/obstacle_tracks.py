@@ -18,7 +18,7 @@ from vision_core.clock import NS_PER_S
 from vision_core.native.kernels import kernel
 from vision_core.tracks.filters import corrected, density_from_acceleration, predicted
 from vision_core.tracks.state import Row
-from vision_core.types.tables import MOST_OBSTACLES, Table
+from vision_core.types.tables import MAX_OBSTACLES, Table
 
 CONFIRMING = 2
 """So many obstacle frames in a row make an obstacle."""
@@ -43,7 +43,7 @@ def update_obstacles(rules: Row, state: Row, things: Table, count: int, at: int,
     things: rows of OBSTACLE, of which count hold.
     """
     fresh, kept = state.fresh, 0
-    for index in range(min(count, MOST_OBSTACLES)):
+    for index in range(min(count, MAX_OBSTACLES)):
         thing = things[index]
         if not math.isfinite(thing.x_m + thing.y_m + thing.radius_m):
             continue

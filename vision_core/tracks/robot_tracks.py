@@ -13,7 +13,7 @@ Each frame, in this order:
    in the others' views. If its id is alive elsewhere, the new track is nameless: one false reading moves no
    robot, a true jump is confirmed by the next frame (rule 4).
 6. A nameless track that was seen only once is dropped by the first frame that does not show it.
-7. Beyond MOST_ROBOTS the nameless that were unseen for longest go first, so that a flicker of false robots costs
+7. Beyond MAX_ROBOTS the nameless that were unseen for longest go first, so that a flicker of false robots costs
    bounded time and room.
 
 Recall goes before precision here: a missing robot silences its client and is a collision for the others, a false one
@@ -30,7 +30,7 @@ from vision_core.native.kernels import kernel
 from vision_core.tracks.filters import corrected, predicted
 from vision_core.tracks.pairing import pair_nearest
 from vision_core.tracks.state import UNKNOWN_HEADING_VARIANCE, Row
-from vision_core.types.tables import MOST_ROBOTS, NO_ID, Table
+from vision_core.types.tables import MAX_ROBOTS, NO_ID, Table
 
 CONFIRMING = 2
 """So many readings in a row give a track another id."""
@@ -203,7 +203,7 @@ def bury(lives: Table, count: int, at: int) -> int:
         if kept != row:
             lives[kept] = lives[row]
         kept += 1
-    while kept > MOST_ROBOTS:
+    while kept > MAX_ROBOTS:
         least = 0
         for row in range(1, kept):
             named, least_named = lives[row].id != NO_ID, lives[least].id != NO_ID

@@ -12,7 +12,7 @@ from vision_core.clock import NS_PER_MS
 from vision_core.models.from_settings import robots_of
 from vision_core.settings.schema import RobotSettings, TrackSettings
 from vision_core.tracks.filters import density_from_acceleration, start_variance
-from vision_core.types.tables import MOST_BALLS, MOST_OBSTACLES, MOST_ROBOTS, TEAMS, Table
+from vision_core.types.tables import MAX_BALLS, MAX_OBSTACLES, MAX_ROBOTS, TEAMS, Table
 
 Row: TypeAlias = Any
 """One row of a table, as kernels take it: its fields are attributes."""
@@ -53,10 +53,10 @@ STATE = np.dtype(
     [
         ("frames", np.int64), ("refused", np.int64), ("frame_number", np.int64), ("grabbed", np.int64),
         ("obstacles_at", np.int64), ("counts", np.int64, (3,)),
-        ("robots", ROBOT_LIFE, (2 * MOST_ROBOTS,)),
-        ("taken", np.int64, (MOST_ROBOTS,)), ("pairs", np.int64, (MOST_ROBOTS, 2)), ("order", np.int64, (MOST_ROBOTS,)),
-        ("balls", BALL_LIFE, (1 + MOST_BALLS,)),
-        ("obstacles", OBSTACLE_LIFE, (MOST_OBSTACLES,)), ("fresh", OBSTACLE_LIFE, (MOST_OBSTACLES,)),
+        ("robots", ROBOT_LIFE, (2 * MAX_ROBOTS,)),
+        ("taken", np.int64, (MAX_ROBOTS,)), ("pairs", np.int64, (MAX_ROBOTS, 2)), ("order", np.int64, (MAX_ROBOTS,)),
+        ("balls", BALL_LIFE, (1 + MAX_BALLS,)),
+        ("obstacles", OBSTACLE_LIFE, (MAX_OBSTACLES,)), ("fresh", OBSTACLE_LIFE, (MAX_OBSTACLES,)),
     ]
 )  # fmt: skip
 """counts: robots, balls, obstacles. robots: old tracks and, for the length of a frame, as many new ones.

@@ -9,7 +9,7 @@ from vision_core.tracks.ball_tracks import update_ball, write_ball
 from vision_core.tracks.obstacle_tracks import update_obstacles, write_obstacles
 from vision_core.tracks.robot_tracks import update_robots, write_robots
 from vision_core.tracks.state import NEVER, rules_from, state_of_nothing
-from vision_core.types.tables import MOST_OBSTACLES, OBSTACLE, SightingsTable, Table, WorldTable
+from vision_core.types.tables import MAX_OBSTACLES, OBSTACLE, SightingsTable, Table, WorldTable
 
 
 class Tracker:
@@ -27,7 +27,7 @@ class Tracker:
     def __init__(self, settings: TrackSettings, robots: RobotSettings) -> None:
         self._rules = rules_from(settings, robots)
         self._state = state_of_nothing()
-        self._things: Table = np.zeros(MOST_OBSTACLES, dtype=OBSTACLE)
+        self._things: Table = np.zeros(MAX_OBSTACLES, dtype=OBSTACLE)
         self._things_at = NEVER
         self._world = WorldTable()
 
@@ -51,7 +51,7 @@ class Tracker:
         things_at = NEVER
         if obstacles is not None:
             things_at = int(sightings.whole["grabbed"][0]) if obstacles_at is None else obstacles_at
-            count = min(len(obstacles), MOST_OBSTACLES)
+            count = min(len(obstacles), MAX_OBSTACLES)
             if things_at != self._things_at:
                 self._things[:count] = obstacles[:count]
                 self._things_at = things_at

@@ -23,10 +23,10 @@ TEAMS = (Team.BLUE, Team.YELLOW)
 """A team's number in the tables is its place here."""
 TEAM_NUMBER = {team: number for number, team in enumerate(TEAMS)}
 
-MOST_ROBOTS = 64
+MAX_ROBOTS = 64
 """Twice two full teams: what a cloth of dots shows beyond these is no robot."""
-MOST_BALLS = 32
-MOST_OBSTACLES = 64
+MAX_BALLS = 32
+MAX_OBSTACLES = 64
 
 BLOB = np.dtype(
     [
@@ -83,7 +83,7 @@ OBSTACLE_TRACK = np.dtype(
     ]
 )  # fmt: skip
 
-MOST_NUMBERS = 16
+MAX_NUMBERS = 16
 """Robots of a team that have a number, and so a view."""
 DIRECTIONS = 360
 """Of the page's views: every whole degree."""
@@ -99,7 +99,7 @@ VIEW = np.dtype(
 VIEWS = np.dtype(
     [
         ("frame_number", np.int64), ("at", np.int64), ("count", np.int64),
-        ("views", VIEW, (len(TEAMS) * MOST_NUMBERS,)),
+        ("views", VIEW, (len(TEAMS) * MAX_NUMBERS,)),
     ]
 )  # fmt: skip
 
@@ -107,14 +107,14 @@ SIGHTINGS = np.dtype(
     [
         ("camera", "S16"), ("frame_number", np.int64), ("grabbed", np.int64), ("perceived", np.int64),
         ("complete", np.int64), ("counts", np.int64, (2,)),
-        ("robots", ROBOT, (MOST_ROBOTS,)), ("balls", BALL, (MOST_BALLS,)),
+        ("robots", ROBOT, (MAX_ROBOTS,)), ("balls", BALL, (MAX_BALLS,)),
     ]
 )  # fmt: skip
 WORLD = np.dtype(
     [
         ("frame_number", np.int64), ("at", np.int64), ("counts", np.int64, (3,)),
-        ("robots", ROBOT_TRACK, (MOST_ROBOTS,)), ("balls", BALL_TRACK, (1,)),
-        ("obstacles", OBSTACLE_TRACK, (MOST_OBSTACLES,)),
+        ("robots", ROBOT_TRACK, (MAX_ROBOTS,)), ("balls", BALL_TRACK, (1,)),
+        ("obstacles", OBSTACLE_TRACK, (MAX_OBSTACLES,)),
     ]
 )  # fmt: skip
 

@@ -16,7 +16,7 @@ SPACE_KEYS = {
     "ec": {"luma", "hue_deg", "saturation"},
 }
 ANGLES = {"hue_deg", "phase_deg"}
-MOST_CLASSES = 31
+MAX_CLASSES = 31
 LETTERS_PER_TEAM = 16
 TASK_NAME = re.compile(r"[a-z][a-z0-9_]{0,15}")
 
@@ -43,8 +43,8 @@ def _colors(settings: Settings) -> Iterator[Violation]:
     classes = [*settings.colors.classes, *(name for name in samples if name != "none")]
     if both := sorted(settings.colors.classes.keys() & samples.keys()):
         yield Violation("colors.samples", ", ".join(both), "classes that colors.classes does not have")
-    if len(classes) > MOST_CLASSES:
-        yield Violation("colors.classes", f"{len(classes)} classes", f"at most {MOST_CLASSES}")
+    if len(classes) > MAX_CLASSES:
+        yield Violation("colors.classes", f"{len(classes)} classes", f"at most {MAX_CLASSES}")
     for name, boxes in settings.colors.classes.items():
         for box in boxes:
             yield from _box(f"colors.classes.{name}", box, settings.colors.space)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vision_core.geometry import Bytes, Floats
 from vision_core.native.kernels import kernel
 from vision_core.types.field import EdgeKind
-from vision_core.types.tables import MOST_OBSTACLES, MOST_ROBOTS, Table
+from vision_core.types.tables import MAX_OBSTACLES, MAX_ROBOTS, Table
 
 Integers: TypeAlias = NDArray[np.int64]
 Row: TypeAlias = Any
@@ -26,7 +26,7 @@ BODY = np.dtype(
     ]
 )  # fmt: skip
 """An outline: center, radius or half of the side, direction of a square's sides, EdgeKind."""
-MOST_BODIES = MOST_ROBOTS + MOST_OBSTACLES
+MAX_BODIES = MAX_ROBOTS + MAX_OBSTACLES
 HEADING_KNOWN_RAD = 1.0
 """A heading's deviation above this tells no direction."""
 UNKNOWN = int(EdgeKind.UNKNOWN)
@@ -37,7 +37,7 @@ def lay_out(world: Table, kind_of_id: Bytes, team_radius_m: Floats, team_square:
     """Fill in the outlines of a world's robots, in its order, then of its obstacles; returns how many there are.
 
     world: WORLD, shape (1,); kind_of_id: EdgeKind of a team's robot by 1 + its id, shape (2, 257); team_radius_m,
-    team_square: shape (2,); bodies: BODY, shape (MOST_BODIES,).
+    team_square: shape (2,); bodies: BODY, shape (MAX_BODIES,).
     """
     robots, obstacles = world[0].robots, world[0].obstacles
     count = world[0].counts[0]

@@ -12,17 +12,17 @@ from vision_core.native.kernels import kernel
 from vision_core.settings.schema import Settings
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
-from vision_core.types.tables import DIRECTIONS, MOST_NUMBERS, TEAM_NUMBER, TEAMS, Table, WorldTable
+from vision_core.types.tables import DIRECTIONS, MAX_NUMBERS, TEAM_NUMBER, TEAMS, Table, WorldTable
 from vision_core.types.views import BallView, RobotView
 from vision_core.views.ball import share_in_view
-from vision_core.views.outlines import BODY, MOST_BODIES, Integers, Row, lay_out
+from vision_core.views.outlines import BODY, MAX_BODIES, Integers, Row, lay_out
 from vision_core.views.splat import nearest_edges, turn_rays
 
-VIEWERS = len(TEAMS) * MOST_NUMBERS
+VIEWERS = len(TEAMS) * MAX_NUMBERS
 """A viewer's place in the tables: 16 * its team's number + its own number - 1."""
 GRIDS = (DIRECTIONS, 2 * DIRECTIONS, 4 * DIRECTIONS)
 """So many rays a view can have, evenly spaced; ray 0 is straight ahead."""
-MOST_RAYS = GRIDS[-1]
+MAX_RAYS = GRIDS[-1]
 FIRST_KIND = {Team.BLUE: EdgeKind.ROBOT_BLUE, Team.YELLOW: EdgeKind.ROBOT_YELLOW}
 
 SEEN = np.dtype(
@@ -54,7 +54,7 @@ class Place(NamedTuple):
     """Of each team, shape (2,)."""
     ball_radius_m: float
     ray_x: Floats
-    """Unit vectors of the rays of each grid from the heading, shape (3, MOST_RAYS)."""
+    """Unit vectors of the rays of each grid from the heading, shape (3, MAX_RAYS)."""
     ray_y: Floats
 
 
@@ -133,12 +133,12 @@ class Eyes:
         self.sight = Sight(
             rays=np.full(VIEWERS, GRIDS[0]),
             seen=np.zeros(VIEWERS, dtype=SEEN),
-            distances_m=np.empty(VIEWERS * MOST_RAYS),
-            kinds=np.empty(VIEWERS * MOST_RAYS, dtype=np.uint8),
-            bodies=np.zeros(MOST_BODIES, dtype=BODY),
-            ux=np.empty(MOST_RAYS),
-            uy=np.empty(MOST_RAYS),
-            hidden=np.empty((2, len(self.place.segments_m) + 4 * MOST_BODIES)),
+            distances_m=np.empty(VIEWERS * MAX_RAYS),
+            kinds=np.empty(VIEWERS * MAX_RAYS, dtype=np.uint8),
+            bodies=np.zeros(MAX_BODIES, dtype=BODY),
+            ux=np.empty(MAX_RAYS),
+            uy=np.empty(MAX_RAYS),
+            hidden=np.empty((2, len(self.place.segments_m) + 4 * MAX_BODIES)),
         )
         self.sight.seen["body"] = -1
 
@@ -148,7 +148,7 @@ class Eyes:
 
     def view(self, world: WorldTable, team: Team, number: int) -> RobotView | None:
         """A copy for people of what a robot of the world that was looked at sees; None when it is not there."""
-        if not 1 <= number <= MOST_NUMBERS:
+        if not 1 <= number <= MAX_NUMBERS:
             return None
         viewer = viewer_of(team, number)
         body, overlap, start, share, ball_m, ball_deg, size_deg = self.sight.seen[viewer].tolist()
@@ -170,7 +170,7 @@ class Eyes:
 
 def viewer_of(team: Team, number: int) -> int:
     """Place of a team's number 1..16 in the tables."""
-    return TEAM_NUMBER[team] * MOST_NUMBERS + number - 1
+    return TEAM_NUMBER[team] * MAX_NUMBERS + number - 1
 
 
 def place_of(settings: Settings) -> Place:
@@ -182,11 +182,11 @@ def place_of(settings: Settings) -> Place:
     viewers = np.full((len(TEAMS), 256), -1)
     for team, ids in ((Team.BLUE, match.blue_ids), (Team.YELLOW, match.yellow_ids)):
         kinds[TEAM_NUMBER[team]] = FIRST_KIND[team]
-        for number, marker in enumerate(ids[:MOST_NUMBERS], start=1):
+        for number, marker in enumerate(ids[:MAX_NUMBERS], start=1):
             kinds[TEAM_NUMBER[team], marker + 1] = FIRST_KIND[team] + number
             if number <= match.numbers:
                 viewers[TEAM_NUMBER[team], marker] = viewer_of(team, number)
-    angles = [np.arange(MOST_RAYS) * (math.tau / rays) for rays in GRIDS]
+    angles = [np.arange(MAX_RAYS) * (math.tau / rays) for rays in GRIDS]
     return Place(
         segments_m=np.array([(s.x1_m, s.y1_m, s.x2_m, s.y2_m) for s in segments]).reshape(-1, 4),
         segment_kinds=np.array([s.kind for s in segments], dtype=np.uint8),

@@ -23,7 +23,7 @@ from vision_core.scheduling.releases import Grid
 
 RATE_HZ = 15.0
 PATIENCE_S = 5.0
-MOST_PAGES = 20
+MAX_PAGES = 20
 TRY_LATER = 1013
 POLICY_VIOLATION = 1008
 USUAL = f"{PICTURE},{STATE}"
@@ -70,8 +70,8 @@ class Live:
         if not set(asked) <= set(TOPICS):
             await page.close(POLICY_VIOLATION, f"topics; found: {','.join(asked)[:40]}; accepted: {','.join(TOPICS)}")
             return
-        if self.pages >= MOST_PAGES:
-            await page.close(TRY_LATER, f"{MOST_PAGES} pages are open already; close one of them")
+        if self.pages >= MAX_PAGES:
+            await page.close(TRY_LATER, f"{MAX_PAGES} pages are open already; close one of them")
             return
         self._turns.forget(set(TOPICS) - self._taken())
         self._pages[page] = tuple(topic for topic in TOPICS if topic in asked)

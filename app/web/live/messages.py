@@ -27,10 +27,10 @@ from vision_core.types.views import Views
 PICTURE, TIMING, STATE = "picture", "timing", "state"
 TOPICS = (PICTURE, TIMING, STATE)
 """In the order in which they are sent."""
-LONGEST_SILENCE_S = 0.25
+MAX_SILENCE_S = 0.25
 """A state is made after that even when nothing was written, since ages and readiness change by themselves."""
 TIMING_EVERY_S = 0.5
-LARGEST_WIDTH_PX = 960
+MAX_WIDTH_PX = 960
 JPEG_QUALITY = 75
 PICTURE_HEADER = struct.Struct("<Id")
 
@@ -98,7 +98,7 @@ class Turns:
     async def make(self, topics: Collection[str], pages: int) -> bool:
         """Make what there is news for; False when there is none. pages: how many are open."""
         fresh = PICTURE in topics and await self._make_picture()
-        if STATE in topics and (fresh or self._has_changed() or self._is_due(STATE, LONGEST_SILENCE_S)):
+        if STATE in topics and (fresh or self._has_changed() or self._is_due(STATE, MAX_SILENCE_S)):
             self._sequences = self._blackboard.sequences
             self._publish(STATE, self._encoded_state(pages))
             fresh = True
@@ -167,4 +167,4 @@ class Turns:
 def picture_message(picture: Picture, boot: Instant) -> bytes:
     """The binary message of a picture, small enough for a page."""
     header = PICTURE_HEADER.pack(picture.number & 0xFFFFFFFF, seconds_between(boot, picture.grabbed))
-    return header + encode_jpeg(shrink(picture.pixels, LARGEST_WIDTH_PX), JPEG_QUALITY)
+    return header + encode_jpeg(shrink(picture.pixels, MAX_WIDTH_PX), JPEG_QUALITY)

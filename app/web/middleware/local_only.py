@@ -18,7 +18,7 @@ from app.web.problems import problem_response
 
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
 JSON = "application/json"
-LONGEST_BODY = 4096
+MAX_BODY = 4096
 """Of a request [bytes]."""
 
 
@@ -51,8 +51,8 @@ def _refusal(headers: Headers, client: tuple[str, int] | None) -> tuple[HTTPStat
     if "transfer-encoding" in headers:
         return HTTPStatus.LENGTH_REQUIRED, "say how long the request is"
     length = headers.get("content-length", "0")
-    if not length.isdecimal() or int(length) > LONGEST_BODY:
-        return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"at most {LONGEST_BODY} bytes are read"
+    if not length.isdecimal() or int(length) > MAX_BODY:
+        return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"at most {MAX_BODY} bytes are read"
     kind = headers.get("content-type", "").partition(";")[0].strip().lower()
     if length != "0" and kind != JSON:
         return HTTPStatus.FORBIDDEN, f"content type {kind or 'of no name'}; accepted: {JSON}"

@@ -11,7 +11,7 @@ from vision_core.geometry import Floats, rotation
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import field_lines, field_segments, painted_points
 from vision_core.models.from_settings import camera_model_from, mirror_from, robots_of
-from vision_core.models.mirror import LARGEST_PX
+from vision_core.models.mirror import MAX_PX
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
 from vision_core.types.field import EdgeKind
@@ -163,5 +163,5 @@ def _visible(points_px: Points) -> Points:
 
 
 def _mirror_table(settings: Settings) -> list[float | None]:
-    metres = mirror_from(settings).mm_from_px(np.arange(LARGEST_PX + 1, dtype=np.float64)) / MM_PER_M
+    metres = mirror_from(settings).mm_from_px(np.arange(MAX_PX + 1, dtype=np.float64)) / MM_PER_M
     return [round(value, 4) if math.isfinite(value) else None for value in metres.tolist()]

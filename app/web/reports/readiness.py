@@ -10,9 +10,9 @@ from vision_core.rtdb.infos import ProcessInfo
 COMPILER = "compile"
 NEEDED = ("source", "capture", "perceive", "serve")
 """Tasks without which no robot is served. All others watch or explain: see ``degradation``."""
-LEAST_PATIENCE_S = 0.25
+MIN_PATIENCE_S = 0.25
 PATIENCE_PERIODS = 3.0
-"""An image is old when this many have failed to come, and never before LEAST_PATIENCE_S."""
+"""An image is old when this many have failed to come, and never before MIN_PATIENCE_S."""
 
 
 def reasons_not_ready(readings: Readings) -> tuple[str, ...]:
@@ -55,14 +55,14 @@ def _broken(process: ProcessInfo) -> str:
 
 def _silence(readings: Readings) -> tuple[str, ...]:
     """The first link of the chain that delivers nothing, while every process runs."""
-    patience_s = max(LEAST_PATIENCE_S, PATIENCE_PERIODS / _rate_hz(readings))
+    patience_s = max(MIN_PATIENCE_S, PATIENCE_PERIODS / _rate_hz(readings))
     if readings.frame is None:
         return (f"no image yet{_note(readings, 'source', 'capture')}",)
     if readings.frame.age_s > patience_s:
         return (f"the camera's image is {readings.frame.age_s:.1f} s old{_note(readings, 'source', 'capture')}",)
     if readings.sightings is None:
         return (f"nothing was perceived yet{_note(readings, 'perceive')}",)
-    if readings.sightings.age_s > patience_s + LEAST_PATIENCE_S:
+    if readings.sightings.age_s > patience_s + MIN_PATIENCE_S:
         age_s = readings.sightings.age_s
         return (f"nothing is perceived: the newest sightings are {age_s:.1f} s old{_note(readings, 'perceive')}",)
     if readings.serving is None:

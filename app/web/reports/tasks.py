@@ -11,7 +11,7 @@ from vision_core.rtdb.infos import Proposal, TaskInfo
 from vision_core.rtdb.items import Timed
 from vision_core.scheduling.task import HIGHEST_PRIORITY
 
-LONGEST_PERIOD_MS = 3.6e6
+MAX_PERIOD_MS = 3.6e6
 
 
 class Wish(Report):
@@ -21,7 +21,7 @@ class Wish(Report):
 
     enabled: bool | None = None
     """Switched on or off."""
-    period_ms: float | None = Field(default=None, ge=0.0, le=LONGEST_PERIOD_MS)
+    period_ms: float | None = Field(default=None, ge=0.0, le=MAX_PERIOD_MS)
     """0: with every writing of its trigger."""
     priority: int | None = Field(default=None, ge=0, le=HIGHEST_PRIORITY)
     """SCHED_FIFO; 0: an ordinary process."""

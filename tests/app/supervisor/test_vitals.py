@@ -13,7 +13,7 @@ from app.supervisor.vitals import ASLEEP_S, silence_of, thread_states
 from vision_core.clock import NS_PER_S
 
 BUSY = "while True: pass"
-LONGEST_S = 0.2
+MAX_S = 0.2
 SOON, LATER = NS_PER_S // 100, round((ASLEEP_S + 0.1) * NS_PER_S)
 PATIENCE_S = 20.0
 
@@ -35,23 +35,23 @@ def until_in(pid: int, state: str) -> None:
 
 def test_who_sleeps_on_hangs_and_who_sleeps_for_a_moment_does_not(sleeper: int) -> None:
     silence = silence_of(sleeper, 0)
-    assert not silence.hangs(sleeper, SOON, LONGEST_S)
-    assert silence.hangs(sleeper, LATER, LONGEST_S)
+    assert not silence.hangs(sleeper, SOON, MAX_S)
+    assert silence.hangs(sleeper, LATER, MAX_S)
 
 
 def test_who_is_stopped_hangs_at_once(sleeper: int) -> None:
     os.kill(sleeper, signal.SIGSTOP)
     until_in(sleeper, "T")
-    assert silence_of(sleeper, 0).hangs(sleeper, SOON, LONGEST_S)
+    assert silence_of(sleeper, 0).hangs(sleeper, SOON, MAX_S)
 
 
 def test_who_computes_hangs_when_it_has_had_its_time_of_the_processor() -> None:
     with subprocess.Popen([sys.executable, "-c", BUSY]) as process:
         until_in(process.pid, "R")
         silence = silence_of(process.pid, 0)
-        assert not silence.hangs(process.pid, 100 * LATER, LONGEST_S + PATIENCE_S)
+        assert not silence.hangs(process.pid, 100 * LATER, MAX_S + PATIENCE_S)
         deadline = time.monotonic() + PATIENCE_S
-        while not silence.hangs(process.pid, SOON, LONGEST_S):
+        while not silence.hangs(process.pid, SOON, MAX_S):
             assert time.monotonic() < deadline
             time.sleep(0.01)
         process.kill()

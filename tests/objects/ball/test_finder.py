@@ -22,7 +22,7 @@ from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.ball.reasons import explain_balls
 from vision_core.settings.schema import BallSettings, ColorRange, FieldSettings, Settings
 from vision_core.types.colors import ColorTable
-from vision_core.types.tables import BALL, MOST_BALLS, ROBOT, Table
+from vision_core.types.tables import BALL, MAX_BALLS, ROBOT, Table
 from vision_core.venues.loader import load_settings
 
 WIDTH, HEIGHT = 100, 80
@@ -48,7 +48,7 @@ def ball_settings(**changes: object) -> BallSettings:
 
 def search(
     blobs: Table, pixels: Bytes, camera: CameraModel, robots: Table, finder: BallFinder, table: ColorTable,
-    room: int = MOST_BALLS,
+    room: int = MAX_BALLS,
 ) -> tuple[Table, tuple[str, ...]]:  # fmt: skip
     """The balls that are found, as a table, and the reasons when there is none."""
     balls = np.zeros(room, dtype=BALL)
@@ -63,7 +63,7 @@ def found(
     robots: tuple[Place, ...] = (),
     field: FieldSettings = SETTINGS.field,
     table: ColorTable = TABLE,
-    room: int = MOST_BALLS,
+    room: int = MAX_BALLS,
 ) -> tuple[Table, tuple[str, ...]]:
     rows = np.zeros(len(robots), dtype=ROBOT)
     for row, (x_m, y_m) in zip(rows, robots, strict=True):
@@ -214,7 +214,7 @@ def rendered(settings: Settings, frames: int) -> list[tuple[float, float, float]
     finder = ball_finder(settings, table)
     pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
     segmenter, no_robots = Segmenter(pixels.shape[1], pixels.shape[0], settings.blobs), np.zeros(0, dtype=ROBOT)
-    balls, errors = np.zeros(MOST_BALLS, dtype=BALL), []
+    balls, errors = np.zeros(MAX_BALLS, dtype=BALL), []
     for _ in range(frames):
         source.grab(pixels)
         ball = source.truth.ball

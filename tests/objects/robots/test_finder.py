@@ -13,7 +13,7 @@ from vision_core.models.from_settings import robots_of
 from vision_core.objects.robots.finder import find_robots, robot_finder
 from vision_core.patterns.loader import CODE, load_pattern
 from vision_core.types.objects import Team
-from vision_core.types.tables import BLOB, MOST_ROBOTS, NO_ID, ROBOT, Table
+from vision_core.types.tables import BLOB, MAX_ROBOTS, NO_ID, ROBOT, Table
 
 BLUE, YELLOW = range(2)
 SSL = load_pattern("ssl-standard")
@@ -213,11 +213,11 @@ def cloth_of_dots(count: int, seed: int) -> Table:
 def test_a_cloth_of_dots_gives_no_more_robots_than_there_is_room_for() -> None:
     camera = camera_map_from(empty_picture(SSL, 1.0, 20.0).camera)
     pixels = np.zeros((480, 640, 3), dtype=np.uint8)
-    out = np.zeros(MOST_ROBOTS, dtype=ROBOT)
+    out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
     for seed in range(3):
         blobs = cloth_of_dots(2000, seed)
         count = find_robots(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera, FINDER, out)
-        assert 0 < count <= MOST_ROBOTS
+        assert 0 < count <= MAX_ROBOTS
         robots = out[:count]
         keys = [(robot["team"], np.inf if robot["id"] == NO_ID else robot["id"], robot["x_m"]) for robot in robots]
         assert keys == sorted(keys)

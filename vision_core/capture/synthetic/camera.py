@@ -15,7 +15,7 @@ from vision_core.models.from_settings import camera_model_from
 from vision_core.settings.schema import Settings
 from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
-LONGEST_LEAP_S = 1.0
+MAX_LEAP_S = 1.0
 """A machine that was asleep need not live through the match that it missed."""
 
 
@@ -71,7 +71,7 @@ class SyntheticCamera:
         renderer = self._renderer
         instant = self.keeper.choose()
         periods = max(self.keeper.number - self._shown, 0)
-        self._world.advance(min(periods / self.rate_hz, LONGEST_LEAP_S))
+        self._world.advance(min(periods / self.rate_hz, MAX_LEAP_S))
         self._shown = self.keeper.number
         scene = self._world.snapshot()
         self._last = instant, scene

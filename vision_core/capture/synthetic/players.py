@@ -14,14 +14,14 @@ from vision_core.types.objects import Team
 KEEPER_OUT_M = 0.14
 APPROACH_GAIN_PER_S = 3.0
 TURN_GAIN_PER_S = 7.0
-MOST_TURN_RAD_S = 8.0
+MAX_TURN_RAD_S = 8.0
 NEAR_ROBOT = 2.2
 """Robots start to give way when the gap between them is this many radii."""
 BEHIND_M = 0.10
 """A chaser first goes this far behind where it will touch the ball."""
 ALIGNED = 0.9
 """Cosine from which on it drives through the ball, and of the heading from which on it kicks."""
-LONGEST_HOLD_S = 1.2
+MAX_HOLD_S = 1.2
 KICK_M_S = (1.2, 3.2)
 WAYPOINT_NEAR_M = 0.12
 WAYPOINT_S = (2.0, 6.0)
@@ -71,7 +71,7 @@ class Players:
                 facing = math.atan2(target[1] - robots[i, Y], target[0] - robots[i, X])
             velocity = self._avoided(i, robots, self._towards(robots[i], target))
             turn = TURN_GAIN_PER_S * wrap_angle(facing - robots[i, HEADING])
-            wishes[i] = (*velocity, min(max(turn, -MOST_TURN_RAD_S), MOST_TURN_RAD_S))
+            wishes[i] = (*velocity, min(max(turn, -MAX_TURN_RAD_S), MAX_TURN_RAD_S))
 
     def _choose_chasers(self, robots: Floats, ball: Floats) -> None:
         """Of each team the robot nearest to the ball; the present one stays unless another is clearly nearer."""
@@ -109,7 +109,7 @@ class Players:
         since = self._held_since_s.setdefault(i, time_s)
         heading = np.array([math.cos(robot[HEADING]), math.sin(robot[HEADING])])
         goal = np.array([self._players[i].attacks * self._goal_x, 0.0])
-        if float(_unit(goal - robot[:2]) @ heading) > ALIGNED or time_s - since > LONGEST_HOLD_S:
+        if float(_unit(goal - robot[:2]) @ heading) > ALIGNED or time_s - since > MAX_HOLD_S:
             speed = self._rng.uniform(*KICK_M_S)
             ball[VX : VY + 1] = robot[VX : VY + 1] + speed * heading
             del self._held_since_s[i]

@@ -168,7 +168,7 @@ def _feet_paths(settings: Settings) -> Floats:
     goal = settings.field.goal.width_m / 2.0 + 0.25
     corner = max(half_y - 0.05, goal + 0.2)
     paths = []
-    for i in range(settings.synthetic.feet):
+    for i in range(settings.synthetic.walking_people):
         away = rng.uniform(0.10, 0.22)
         across = (-1.0 if i % 2 else 1.0) * (half_x + away)
         along = (-1.0 if i % 4 < 2 else 1.0) * (half_y + away)

@@ -8,24 +8,24 @@ from numpy.typing import NDArray
 from vision_core.geometry import Floats
 from vision_core.objects.circle_fit import center_memory
 from vision_core.objects.robots.shapes import SHAPE_LENGTH
-from vision_core.types.tables import MOST_ROBOTS, ROBOT, Table
+from vision_core.types.tables import MAX_ROBOTS, ROBOT, Table
 
-MOST_SLOTS = 8
+MAX_SLOTS = 8
 
 SCORE, TEAM, ANCHOR, X, Y, HEADING, MATCHED, SHAPED, STEADY, ROOM, MISFIT, FIRST_SLOT = range(12)
 """Columns of a hypothesis: its score 0..1, the number of its team, its anchor blob, its pose [m, rad], how many slots
 it fills, whether the anchor's shape is known (2: and alone tells the heading), how firmly that does [m], radius of the
 room that it takes [m], the sum of squared residuals in squared tolerances, then for each slot the blob there, -1 for
 none."""
-ROW_LENGTH = FIRST_SLOT + MOST_SLOTS
+ROW_LENGTH = FIRST_SLOT + MAX_SLOTS
 
-MOST_ROWS = 4096
+MAX_ROWS = 4096
 """Hypotheses of a frame; a frame of robots has two hundred."""
 
 BUCKETS = 64
 """Of the grid of blobs, per axis."""
 
-MOST_NEAR = 24
+MAX_NEAR = 24
 """Blobs looked at round one anchor; a real robot has as many as its pattern."""
 
 BLOB, ALONG, ACROSS, FIRST_LIKENESS = range(4)
@@ -88,15 +88,15 @@ def take_memory(most_blobs: int) -> Memory:
         listed=np.zeros(most_blobs, dtype=np.int32),
         heads=np.full((BUCKETS, BUCKETS), -1, dtype=np.int32),
         nexts=np.zeros(most_blobs, dtype=np.int32),
-        near=np.zeros((MOST_NEAR, FIRST_LIKENESS + MOST_SLOTS)),
-        filled=np.full(MOST_SLOTS, -1, dtype=np.int32),
+        near=np.zeros((MAX_NEAR, FIRST_LIKENESS + MAX_SLOTS)),
+        filled=np.full(MAX_SLOTS, -1, dtype=np.int32),
         shape=np.zeros(SHAPE_LENGTH),
-        rows=np.zeros((MOST_ROWS, ROW_LENGTH)),
-        order=np.zeros(MOST_ROWS, dtype=np.int32),
+        rows=np.zeros((MAX_ROWS, ROW_LENGTH)),
+        order=np.zeros(MAX_ROWS, dtype=np.int32),
         used=np.zeros(most_blobs, dtype=np.bool_),
-        winners=np.zeros(MOST_ROBOTS, dtype=np.int32),
-        ambiguous=np.zeros(MOST_ROBOTS, dtype=np.bool_),
-        centers=np.zeros((1 + MOST_SLOTS, 3)),
+        winners=np.zeros(MAX_ROBOTS, dtype=np.int32),
+        ambiguous=np.zeros(MAX_ROBOTS, dtype=np.bool_),
+        centers=np.zeros((1 + MAX_SLOTS, 3)),
         rim=center_memory(),
-        found=np.zeros(MOST_ROBOTS, dtype=ROBOT),
+        found=np.zeros(MAX_ROBOTS, dtype=ROBOT),
     )

@@ -20,7 +20,7 @@ from vision_core.objects.robots.buffers import (
     X,
     Y,
 )
-from vision_core.types.tables import MOST_ROBOTS
+from vision_core.types.tables import MAX_ROBOTS
 
 RIVAL_SCORE = 0.8
 RIVAL_TURN_RAD = math.radians(10.0)
@@ -47,7 +47,7 @@ def compete(count: int, memory: Memory) -> int:
         if winner >= 0:
             if _is_rival(row, rows[memory.winners[winner]]):
                 memory.ambiguous[winner] = True
-        elif won < MOST_ROBOTS and _is_free(row, used) and _has_room(row, rows, memory.winners, won):
+        elif won < MAX_ROBOTS and _is_free(row, used) and _has_room(row, rows, memory.winners, won):
             memory.winners[won], memory.ambiguous[won] = number, False
             won += 1
             used[int(row[ANCHOR])] = True

@@ -42,7 +42,7 @@ def robot_finder(settings: Settings, table: ColorTable) -> RobotFinder:
 def gates_from(settings: Settings) -> Gates:
     """What settings accept, as kernels take it."""
     robots, field = settings.robots, settings.field
-    beyond = robots.beyond_m
+    beyond = robots.margin_m
     goal = goal_line_x(field) + field.goal.depth_m + beyond, field.goal.width_m / 2.0 + beyond
     return Gates(
         min_area=robots.min_area,
@@ -62,7 +62,7 @@ def find_robots(
     """Fill a table with the robots that a frame shows, ordered by team and id; how many there are.
 
     blobs: BLOB table of which count rows hold; pixels: the frame, shape (height, width, 3); classes: of the
-    ColorTable, shape (65536,); robots: ROBOT table with room for MOST_ROBOTS. (x_m, y_m) is the robot's center.
+    ColorTable, shape (65536,); robots: ROBOT table with room for MAX_ROBOTS. (x_m, y_m) is the robot's center.
     """
     markers, gates, memory = finder.markers, finder.gates, finder.memory
     rows = int(np.int64(0))  # a plain 0 is a type of its own, for which all that it is passed to is compiled twice

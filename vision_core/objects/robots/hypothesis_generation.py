@@ -15,9 +15,9 @@ from vision_core.objects.robots.buffers import (
     FIRST_SLOT,
     HEADING,
     MATCHED,
-    MOST_NEAR,
-    MOST_ROWS,
-    MOST_SLOTS,
+    MAX_NEAR,
+    MAX_ROWS,
+    MAX_SLOTS,
     ROOM,
     SCORE,
     SHAPED,
@@ -117,7 +117,7 @@ def propose(
     likeness of the areas * how well the anchor's shape agrees.
     """
     places, rows, filled = memory.places[marker.team], memory.rows, memory.filled
-    for slot in range(MOST_SLOTS):
+    for slot in range(MAX_SLOTS):
         filled[slot] = -1
     look = marker.pointed or marker.shares[0] >= gates.min_confidence
     for k in range(listed):
@@ -130,7 +130,7 @@ def propose(
         start = count
         for first in range(near):
             for slot in range(len(marker.arms_m)):
-                if count + 2 > MOST_ROWS:
+                if count + 2 > MAX_ROWS:
                     return count
                 row = rows[count]
                 if not gather(memory.near, near, marker.arms_m, gates.tolerance_m, first, slot, filled):
@@ -183,7 +183,7 @@ def _look_round(blobs: Table, anchor: int, marker: Marker, gates: Gates, memory:
             blob = memory.heads[across % BUCKETS, along % BUCKETS]
             while blob >= 0:
                 dx, dy = places[blob, 0] - x, places[blob, 1] - y
-                if nearest**2 <= dx * dx + dy * dy <= cell**2 and blob != anchor and count < MOST_NEAR:
+                if nearest**2 <= dx * dx + dy * dy <= cell**2 and blob != anchor and count < MAX_NEAR:
                     near[count, BLOB], near[count, ALONG], near[count, ACROSS] = blob, dx, dy
                     useful = False
                     for slot in range(len(marker.slots_m)):
@@ -211,7 +211,7 @@ def _alone(
     if score < gates.min_confidence:
         return 0
     row[TEAM], row[ANCHOR], row[MATCHED], row[SHAPED], row[STEADY], row[HEADING] = marker.team, anchor, 0, 0, 0, 0
-    for slot in range(MOST_SLOTS):
+    for slot in range(MAX_SLOTS):
         row[FIRST_SLOT + slot] = -1
     row[ROOM] = max(NEAREST * marker.radius_m - math.hypot(marker.anchor_m[0], marker.anchor_m[1]), 0.0)
     row[X], row[Y] = memory.places[marker.team, anchor, 0], memory.places[marker.team, anchor, 1]

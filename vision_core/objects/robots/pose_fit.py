@@ -16,8 +16,8 @@ from vision_core.objects.robots.buffers import (
     FIRST_SLOT,
     HEADING,
     MATCHED,
+    MAX_SLOTS,
     MISFIT,
-    MOST_SLOTS,
     ROW_LENGTH,
     SCORE,
     STEADY,
@@ -72,7 +72,7 @@ def _holds(filled: Indices, slots: int, blob: int) -> bool:
 def write_blobs(near: Floats, filled: Indices, anchor: int, team: int, row: Floats) -> None:
     """Note in a hypothesis which blobs it is made of."""
     row[TEAM], row[ANCHOR], row[MATCHED] = team, anchor, 0
-    for slot in range(MOST_SLOTS):
+    for slot in range(MAX_SLOTS):
         row[FIRST_SLOT + slot] = near[filled[slot], BLOB] if filled[slot] >= 0 else -1
         row[MATCHED] += filled[slot] >= 0
 
@@ -82,7 +82,7 @@ def is_known(rows: Floats, start: int, count: int) -> bool:
     """Whether the blobs of the last hypothesis have been gathered for the same slots before."""
     for other in range(start, count):
         same = True
-        for column in range(FIRST_SLOT, FIRST_SLOT + MOST_SLOTS):
+        for column in range(FIRST_SLOT, FIRST_SLOT + MAX_SLOTS):
             same &= rows[other, column] == rows[count, column]
         if same:
             return True

@@ -32,7 +32,7 @@ SIZES = tuple(round(1.06**step, 2) for step in range(-12, 13) if step)
 """Tried of markers, when they are not read: half to double."""
 BETTER = 1.3
 """So much more must another pattern explain to be named."""
-MOST_SAID = 3
+MAX_SAID = 3
 """Robots that are not read of which something is said, per team."""
 
 
@@ -116,7 +116,7 @@ def _why_unread(
         for number, count in worn.items()
         if count > 1
     ]
-    return reasons[:MOST_SAID] + twice
+    return reasons[:MAX_SAID] + twice
 
 
 def _other_patterns(scene: Scene, robots: Table, settings: Settings) -> list[str]:

@@ -17,13 +17,13 @@ from vision_core.native.kernels import kernel
 ORDERS = 3
 """The moments that turn by t, 2 t and 3 t."""
 
-LEAST_MOMENT = 0.1
+MIN_MOMENT = 0.1
 """A drawn patch with a smaller moment does not show it in a picture."""
 
-LEAST_PX = 20
+MIN_PX = 20
 """Patches of fewer pixels have no shape."""
 
-MOST_STRANGE = 1.3
+MAX_STRANGE = 1.3
 """A box may hold so many times its blob's pixels of its color; more belong to something else."""
 
 COARSE = 36
@@ -61,7 +61,7 @@ def shape_from(points_m: Floats) -> Shape:
         float((x**3 - 3.0 * x * y * y).mean()), float((3.0 * x * x * y - y**3).mean()), moments,
     )  # fmt: skip
     pairs = moments.reshape(ORDERS, 2)
-    strong = np.hypot(*pairs.T) >= LEAST_MOMENT
+    strong = np.hypot(*pairs.T) >= MIN_MOMENT
     weights = strong / max(float(strong.sum()), 1.0)
     return Shape(frozen(pairs.copy()), frozen(weights), frozen(np.array([long, wide])))
 
@@ -89,7 +89,7 @@ def measure_shape(
     step: how x and y in the field change with a pixel to the right and with one down [m/px]; seen: shape (9,), filled.
     """
     left, top, right, bottom = box
-    if area_px < LEAST_PX:
+    if area_px < MIN_PX:
         return False
     n = 0.0
     middle_u, middle_v = 0.5 * (left + right), 0.5 * (top + bottom)
@@ -112,7 +112,7 @@ def measure_shape(
             xxy += x * x * y
             xyy += x * y * y
             yyy += y * y * y
-    if n < LEAST_PX or n > MOST_STRANGE * area_px:
+    if n < MIN_PX or n > MAX_STRANGE * area_px:
         return False
     x1, y1, xx, yy, xy = x1 / n, y1 / n, xx / n, yy / n, xy / n
     xxx = xxx / n - 3.0 * x1 * xx + 2.0 * x1**3
