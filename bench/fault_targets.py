@@ -112,8 +112,8 @@ class Service:
         if victim.name == WEB:
             return self.is_ready()
         if victim.on_the_way:
-            glance = self._reader(VIEWS).glance()
-            return glance is not None and glance.measured > struck
+            view = self._reader(VIEWS).view()
+            return view is not None and view.measured > struck
         return all(self._written_since(record, struck) for record in self._outputs(victim))
 
     def _has_successor(self, task: Task, pid: int, struck: Instant) -> bool:

@@ -29,7 +29,7 @@ from bench.runner import Row
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes
 from vision_core.rtdb.layout import RecordSpec
-from vision_core.rtdb.slots import Glance, SlotReader, SlotWriter
+from vision_core.rtdb.slots import SlotReader, SlotView, SlotWriter
 from vision_core.rtdb.store import Store, create_block
 
 ROOT = Path(__file__).parents[1]
@@ -110,15 +110,15 @@ class Proof:
 class CarelessReader(SlotReader):
     """The control: takes what lies in the slot."""
 
-    def glance(self) -> Glance | None:
+    def view(self) -> SlotView | None:
         """The slot in place, finished or not."""
         sequence = self.sequence
         index = sequence % self.spec.slots
         _begun, _ended, measured, written, length, _checksum = self._fields[index].tolist()
         payload = self._payloads[index][: min(length, self.spec.capacity)]
-        return Glance(payload, sequence, Instant(measured), Instant(written)) if sequence else None
+        return SlotView(payload, sequence, Instant(measured), Instant(written)) if sequence else None
 
-    def holds(self, glance: Glance) -> bool:  # noqa: ARG002
+    def is_unchanged(self, view: SlotView) -> bool:  # noqa: ARG002
         """Never in doubt."""
         return True
 
@@ -261,12 +261,12 @@ def taking_images(reader: SlotReader) -> Callable[[], Delivered | None]:
     copy = np.empty(reader.spec.capacity, dtype=np.uint8)
 
     def take() -> Delivered | None:
-        glance = reader.glance()
-        if glance is None:
+        view = reader.view()
+        if view is None:
             return None
-        length = len(glance.payload)
-        np.copyto(copy[:length], np.frombuffer(glance.payload, dtype=np.uint8))
-        return (glance.sequence, glance.measured, glance.written, copy[:length]) if reader.holds(glance) else None
+        length = len(view.payload)
+        np.copyto(copy[:length], np.frombuffer(view.payload, dtype=np.uint8))
+        return (view.sequence, view.measured, view.written, copy[:length]) if reader.is_unchanged(view) else None
 
     return take
 

@@ -25,7 +25,7 @@ from vision_core.scheduling.releases import Release
 def start(handle: Handle) -> Step:
     """Called once, when the process starts: prepare what takes time here."""
     world = handle.reader(records.WORLD)
-    nearest = handle.slots_to_fill("lab/nearest")
+    nearest = handle.raw_writer("lab/nearest")
 
     def step(_release: Release) -> bool:
         """Called at every release; False: there was nothing to do."""

@@ -92,21 +92,21 @@ class _View:
         for name, reader in sorted(self._readers.items()):
             if name in ended:
                 continue
-            glance = reader.glance()
+            view = reader.view()
             spec = self._attached.store.specs[name]
-            if glance is None:
+            if view is None:
                 table.add_row(name, self._writers.get(name, "-"), "never", "", "", "no", "", style="dim")
                 continue
-            age_s = seconds_between(glance.measured, now)
+            age_s = seconds_between(view.measured, now)
             valid = not spec.validity_s or age_s <= spec.validity_s
             table.add_row(
                 name,
                 self._writers.get(name, "-"),
-                str(glance.sequence),
+                str(view.sequence),
                 f"{(last[name] - first[name]) / max(last_s - first_s, 1e-9):.1f}",
                 f"{age_s * 1e3:.1f} ms" if age_s < 1.0 else f"{age_s:.1f} s",
                 ("for ever" if not spec.validity_s else "yes") if valid else "NO",
-                str(len(glance.payload)),
+                str(len(view.payload)),
                 style="" if valid else "red",
             )
         return table
@@ -115,7 +115,7 @@ class _View:
         """Beats of what ran once and is done: it is not expected to live."""
         timed = self._processes.read(now)
         rows = timed.value.processes if timed is not None else ()
-        return {f"beat/{row.name}" for row in rows if row.state == "done"}
+        return {f"heartbeat/{row.name}" for row in rows if row.state == "done"}
 
 
 def _writers(attached: "Attached") -> dict[str, str]:
@@ -128,5 +128,5 @@ def _writers(attached: "Attached") -> dict[str, str]:
     writers = {record: task.name for task in table for record in task.writes}
     for task in table:
         writers |= {f"task/{task.name}": task.name, f"timing/{task.name}": task.name}
-    beats = (name for name in attached.store.specs if name.startswith("beat/"))
+    beats = (name for name in attached.store.specs if name.startswith("heartbeat/"))
     return dict.fromkeys(GIVEN, "supervisor") | {name: name.partition("/")[2] for name in beats} | writers

@@ -13,7 +13,7 @@ from app.supervisor.priorities import hurry, hurry_to_end, settle
 from app.supervisor.vitals import Silence, silence_of
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.slots import SlotReader
-from vision_core.scheduling.attachment import VARIABLE, HandDown
+from vision_core.scheduling.attachment import VARIABLE, ChildResources
 
 CRASHES_TO_DISABLE = 5
 CRASH_WINDOW_S = 60.0
@@ -35,7 +35,7 @@ class Child:
     """A process and its history. A warm spare is one as well: it takes orders."""
 
     plan: ChildPlan
-    handed: HandDown
+    resources: ChildResources
     heartbeat: SlotReader
     arguments: tuple[str, ...] = ()
     inherits: tuple[int, ...] = ()
@@ -50,7 +50,7 @@ class Child:
     started: int = 0
     patience_s: float = START_PATIENCE_S
     """For the first beat."""
-    beaten: int = 0
+    last_heartbeat: int = 0
     """When it last said that it lives [ns]; 0: not since its start."""
     silence: Silence | None = None
     """Its beat has stayed away for too long."""
@@ -62,7 +62,7 @@ class Child:
     """When it ended without having been asked [ns], over the last minute."""
     ended: int = 0
     """When it last did."""
-    fell: int = 0
+    consecutive_crashes: int = 0
     """How often in a row it did so soon after its start."""
 
     @property
@@ -82,12 +82,12 @@ class Child:
     def start(self, now: int) -> None:
         """Start the process; that the machine has no room for it counts as its end."""
         self.started = now
-        environment = os.environ | {VARIABLE: self.handed.encode(), "PYTHONUNBUFFERED": "1"}
+        environment = os.environ | {VARIABLE: self.resources.encode(), "PYTHONUNBUFFERED": "1"}
         try:
             process = subprocess.Popen(
                 [sys.executable, "-m", self.plan.module, *self.arguments],
                 env=environment,
-                pass_fds=(*self.handed.descriptors(), *self.inherits),
+                pass_fds=(*self.resources.descriptors(), *self.inherits),
                 stdin=subprocess.PIPE if self.takes_orders else subprocess.DEVNULL,
                 stdout=subprocess.PIPE if self.plan.once else None,
                 bufsize=0,
@@ -103,7 +103,7 @@ class Child:
         assert self.process is not None
         assert self.process.stdin is not None
         assert self.pidfd is not None
-        order = json.dumps({"module": child.plan.module, "handed": child.handed.encode()}).encode() + b"\n"
+        order = json.dumps({"module": child.plan.module, "handed": child.resources.encode()}).encode() + b"\n"
         pipe = self.process.stdin.fileno()
         os.set_blocking(pipe, False)
         hurry(self.process.pid)
@@ -124,7 +124,7 @@ class Child:
         """Has the process ended? Takes its exit status."""
         return self.process is not None and self.process.poll() is not None
 
-    def bury(self, now: int) -> None:
+    def reap(self, now: int) -> None:
         """Note the end of a process and plan what follows."""
         assert self.process is not None
         status = self.process.returncode
@@ -134,23 +134,23 @@ class Child:
             return
         self._failed(now, f"ended with {_in_words(status)}")
 
-    def forgive(self, now: int) -> None:
+    def re_enable(self, now: int) -> None:
         """Try a disabled process again, as if it had never ended."""
         self.ends.clear()
-        self.fell = 0
+        self.consecutive_crashes = 0
         self.state, self.due, self.ended = "restarting", now, now
         self.restarts += 1
 
-    def note_beat(self) -> None:
+    def note_heartbeat(self) -> None:
         """See when it last said that it lives. The first time tells that it runs."""
-        glance = self.heartbeat.glance()
-        if glance is not None and glance.written >= self.started:
-            self.beaten = glance.written
+        view = self.heartbeat.view()
+        if view is not None and view.written >= self.started:
+            self.last_heartbeat = view.written
             if self.state == "starting" and self.pid is not None:
                 settle(self.pid)
                 self.state = "running"
 
-    def hangs(self, now: int, watched: int) -> bool:
+    def is_hung(self, now: int, watched: int) -> bool:
         """Does it hang? watched: since when a beat that stays away would have been noticed [ns].
 
         Who computes, or waits for a processor, does not before it has had its time of the processor.
@@ -162,14 +162,14 @@ class Child:
             return False
         if self.silence is None:
             self.silence = silence_of(self.pid, now)
-        return self.silence.hangs(self.pid, now, self.plan.longest_run_s if self.beaten else self.patience_s)
+        return self.silence.is_hung(self.pid, now, self.plan.longest_run_s if self.last_heartbeat else self.patience_s)
 
     def overdue_at(self, watched: int) -> int | None:
         """When its silence is too long, if it goes on [ns]; None when nothing is expected of it."""
-        if self.pid is None or self.killed or (self.plan.once and self.beaten):
+        if self.pid is None or self.killed or (self.plan.once and self.last_heartbeat):
             return None
-        patience_s = self.plan.heartbeat_s if self.beaten else self.patience_s
-        return max(self.beaten, self.started, watched) + round(patience_s * NS_PER_S)
+        patience_s = self.plan.heartbeat_s if self.last_heartbeat else self.patience_s
+        return max(self.last_heartbeat, self.started, watched) + round(patience_s * NS_PER_S)
 
     def kill(self) -> None:
         """End it, since it hangs."""
@@ -194,7 +194,7 @@ class Child:
     def _adopt(self, process: subprocess.Popen[bytes], pidfd: int, now: int, patience_s: float) -> None:
         self.process, self.pidfd = process, pidfd
         self.started, self.patience_s = now, patience_s
-        self.beaten, self.silence, self.killed = 0, None, False
+        self.last_heartbeat, self.silence, self.killed = 0, None, False
         self.state = "starting"
 
     def _failed(self, now: int, how: str) -> None:
@@ -207,8 +207,8 @@ class Child:
         if len(self.ends) >= CRASHES_TO_DISABLE:
             self.detail = f"{len(self.ends)} ends within a minute, the last {how.removeprefix('ended ')}"
             return
-        self.fell = self.fell + 1 if now - self.started < STEADY_S * NS_PER_S else 0
-        delay_s = FIRST_DELAY_S * 2.0 ** (self.fell - 2) if self.fell > 1 else 0.0
+        self.consecutive_crashes = self.consecutive_crashes + 1 if now - self.started < STEADY_S * NS_PER_S else 0
+        delay_s = FIRST_DELAY_S * 2.0 ** (self.consecutive_crashes - 2) if self.consecutive_crashes > 1 else 0.0
         self.due = now + int(delay_s * NS_PER_S)
         self.state = "restarting"
         self.restarts += 1

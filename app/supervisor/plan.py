@@ -33,7 +33,7 @@ class ServicePlan:
 
     children: tuple[ChildPlan, ...]
     records: tuple[RecordSpec, ...]
-    """Among them ``beat/<name>`` of every child and every spare."""
+    """Among them ``heartbeat/<name>`` of every child and every spare."""
     initial: dict[str, bytes]
     """First values of records that the supervisor writes."""
     sockets: dict[str, socket.socket]

@@ -42,7 +42,7 @@ class Spares:
         if not child.plan.spared:
             return None
         for spare in self.all:
-            fresh = now - spare.beaten < FRESH_S * NS_PER_S
+            fresh = now - spare.last_heartbeat < FRESH_S * NS_PER_S
             if spare.state == "running" and fresh and not spare.has_ended() and spare.hand_over(child, now):
                 return spare
         return None

@@ -19,7 +19,7 @@ from app.supervisor.spares import Spares, spare_plans
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.store import Store, create_block
-from vision_core.scheduling.attachment import BEAT, HandDown, monotonic, name_process
+from vision_core.scheduling.attachment import HEARTBEAT, ChildResources, monotonic, name_process
 
 TICK_S = 0.1
 MIN_TICK_S = 0.02
@@ -141,17 +141,19 @@ class Supervisor:
     def _look_after(self, child: Child, now: int) -> None:
         """Take note of an end or a first beat, and end what hangs."""
         if child.has_ended():
-            child.bury(now)
+            child.reap(now)
             if child.plan.once:
                 self._compiled(child, now)
             else:
                 self._tell(f"{child.plan.name} {child.detail}: {child.state}")
         elif child.process is not None:
             was_starting = child.state == "starting"
-            child.note_beat()
+            child.note_heartbeat()
             if was_starting and child.state == "running" and child.ended and child in self.children:
-                self._tell(f"{child.plan.name} runs again after {(child.beaten - child.ended) / NS_PER_S:.2f} s")
-            if child.hangs(now, self._watched):
+                self._tell(
+                    f"{child.plan.name} runs again after {(child.last_heartbeat - child.ended) / NS_PER_S:.2f} s"
+                )
+            if child.is_hung(now, self._watched):
                 self._tell(f"{child.plan.name} does not answer and is killed")
                 child.kill()
 
@@ -202,7 +204,7 @@ class Supervisor:
         disabled = [child for child in self._everybody if child.state == "disabled" and not child.plan.once]
         for child in disabled:
             if child.plan.name == name:
-                child.forgive(time.monotonic_ns())
+                child.re_enable(time.monotonic_ns())
                 self._tell(f"{name} is tried again")
                 return {"restarted": name}
         accepted = ", ".join(child.plan.name for child in disabled) or "nothing now, no process is disabled"
@@ -229,13 +231,13 @@ class Supervisor:
     def _stop(self, _number: int, _frame: object) -> None:
         self._stopping = True
 
-    def _handed(self, plan: ChildPlan) -> HandDown:
+    def _handed(self, plan: ChildPlan) -> ChildResources:
         """What a child gets hold of."""
         notify = {
             record: tuple(self._events[other.name] for other in self._plan.children if record in other.wakes)
             for record in plan.writes
         }
-        return HandDown(
+        return ChildResources(
             process=plan.name,
             supervisor=os.getpid(),
             boot=self._plan.boot,
@@ -247,7 +249,7 @@ class Supervisor:
         )
 
     def _heartbeat(self, plan: ChildPlan) -> SlotReader:
-        return self._store.reader(f"{BEAT}/{plan.name}")
+        return self._store.reader(f"{HEARTBEAT}/{plan.name}")
 
     def _spare(self, plan: ChildPlan) -> Child:
         """A spare may become any child, so it gets everything, and the names of all modules to import."""

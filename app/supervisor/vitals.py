@@ -19,7 +19,7 @@ class Silence:
     last_lived: int
     """When it was last seen to run, to wait for a processor, or to have run since the look before [ns]."""
 
-    def hangs(self, pid: int, now: int, longest_run_s: float) -> bool:
+    def is_hung(self, pid: int, now: int, longest_run_s: float) -> bool:
         """Look again. A process hangs when it is stopped, sleeps on, or has computed for too long."""
         states, spent = thread_states(pid), time_spent(pid)
         if "R" in states or spent != self.last_spent:

@@ -16,7 +16,7 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI, WebSocket
 
 from app.web.blackboard import Blackboard
-from app.web.heartbeat import beat, own_line
+from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import POLICY_VIOLATION, Live
 from app.web.middleware.local_only import ChangesGuard
 from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
@@ -28,7 +28,7 @@ from app.web.routes.pages import page_routes, static_files
 from app.web.routes.tasks import task_routes
 from app.web.routes.timing import timing_routes
 from vision_core.rtdb.store import Store
-from vision_core.scheduling.metrics import Gauge
+from vision_core.scheduling.metrics import TaskMetrics
 
 DESCRIPTION = """What every robot on the field would see, from one ceiling camera.
 
@@ -43,13 +43,13 @@ def create_app(store: Store) -> FastAPI:
     blackboard = Blackboard(store)
     settings = blackboard.service.settings
     task = own_line(settings)
-    gauge = Gauge(store, task, task.process)
-    live = Live(blackboard, gauge)
+    metrics = TaskMetrics(store, task, task.process)
+    live = Live(blackboard, metrics)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         async with asyncio.TaskGroup() as group:  # a bug in one ends both, and the supervisor misses the heartbeat
-            background = (group.create_task(beat(store, task, gauge, live)), group.create_task(live.run()))
+            background = (group.create_task(keep_beating(store, task, metrics, live)), group.create_task(live.run()))
             yield
             for each in background:
                 each.cancel()

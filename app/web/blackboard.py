@@ -13,15 +13,15 @@ from vision_core.rtdb.infos import (
     LAGS,
     TIMINGS,
     Processes,
-    Proposal,
     SelfTest,
     ServiceInfo,
     Serving,
     SourceInfo,
     TaskInfo,
+    TaskOverride,
 )
 from vision_core.rtdb.items import ItemReader, Timed
-from vision_core.rtdb.slots import READ_TRIES, Glance, SlotReader
+from vision_core.rtdb.slots import READ_TRIES, SlotReader, SlotView
 from vision_core.rtdb.store import Store
 from vision_core.timing.histogram import Counts, decode
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
@@ -75,7 +75,7 @@ class Readings:
     """Every task of the table, in its order."""
     tasks: dict[str, Timed[TaskInfo]]
     """By name; a task that has never said anything is not in it."""
-    proposed: Mapping[str, Proposal]
+    proposed: Mapping[str, TaskOverride]
     """What somebody wants of a task, by name; only where something is wanted."""
 
 
@@ -89,8 +89,8 @@ class Timings:
     """By name of the lag (LAGS)."""
 
 
-def _stamp_of(glance: Glance, now: Instant) -> FrameStamp:
-    return FrameStamp(glance.sequence, glance.measured, seconds_between(glance.measured, now))
+def _stamp_of(view: SlotView, now: Instant) -> FrameStamp:
+    return FrameStamp(view.sequence, view.measured, seconds_between(view.measured, now))
 
 
 def _counts(reader: SlotReader, names: Sequence[str], now: Instant) -> Timed[Mapping[str, Counts]] | None:
@@ -136,14 +136,14 @@ class Blackboard:
     def read(self) -> Readings:
         """Every record, now."""
         now = self.now()
-        glance = self._frames.glance()
+        view = self._frames.view()
         tasks = {name: reader.read(now) for name, reader in self._tasks.items()}
         self_test, proposed = self._self_test.read(now), self._proposed.read(now)
         return Readings(
             now=now,
             service=self.service,
             processes=self._processes.read(now),
-            frame=_stamp_of(glance, now) if glance is not None else None,
+            frame=_stamp_of(view, now) if view is not None else None,
             source=self._source.read(now),
             sightings=self._sightings.read(now),
             obstacles=self._obstacles.read(now),
@@ -173,12 +173,12 @@ class Blackboard:
     def picture(self) -> Picture | None:
         """The newest image; None before the first, or when the camera overtook every try to copy one."""
         for _ in range(READ_TRIES):
-            glance = self._frames.glance()
-            if glance is None:
+            view = self._frames.view()
+            if view is None:
                 continue
-            pixels = np.frombuffer(glance.payload, dtype=np.uint8).copy()
-            if self._frames.holds(glance):
-                return Picture(glance.sequence, glance.measured, pixels.reshape(self._shape))
+            pixels = np.frombuffer(view.payload, dtype=np.uint8).copy()
+            if self._frames.is_unchanged(view):
+                return Picture(view.sequence, view.measured, pixels.reshape(self._shape))
         return None
 
     @property

@@ -6,7 +6,7 @@ from app.web.live.connection import Live
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
 from vision_core.rtdb.store import Store
-from vision_core.scheduling.metrics import Gauge
+from vision_core.scheduling.metrics import TaskMetrics
 from vision_core.scheduling.realtime import ORDINARY
 from vision_core.scheduling.task import NONE, Task
 from vision_core.settings.schema import Settings
@@ -31,16 +31,16 @@ def own_line(settings: Settings) -> Task:
     )
 
 
-async def beat(store: Store, task: Task, gauge: Gauge, live: Live) -> None:
-    """Write ``beat/web``, for ever, and about twice a second how it does.
+async def keep_beating(store: Store, task: Task, metrics: TaskMetrics, live: Live) -> None:
+    """Write ``heartbeat/web``, for ever, and about twice a second how it does.
 
     From the loop that serves pages, so that it stops when they do; a run of this task is a turn that was made.
     """
-    beats = store.writer(records.beat(NAME).name)
+    beats = store.writer(records.heartbeat(NAME).name)
     clock = MonotonicClock()
     while True:
         now = clock.now()
         beats.write(b"", now, now)
-        gauge.note = f"{live.pages} page{'' if live.pages == 1 else 's'} open"
-        gauge.publish_if_due(now, task, ORDINARY, "")
+        metrics.note = f"{live.pages} page{'' if live.pages == 1 else 's'} open"
+        metrics.publish_if_due(now, task, ORDINARY, "")
         await asyncio.sleep(EVERY_S)

@@ -12,7 +12,7 @@ from app.web.problems import RequestRefused
 from app.web.reports.tasks import Task, Wish
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Proposal, ProposedSettings
+from vision_core.rtdb.infos import ProposedSettings, TaskOverride
 from vision_core.rtdb.store import Store
 from vision_core.scheduling import task as table
 from vision_core.scheduling.checks import problems
@@ -35,9 +35,9 @@ class Proposals:
         told = records.PROPOSED.reader(store).read(self._clock.now())
         self._tasks = dict(told.value.tasks) if told else {}
 
-    def wanted(self, name: str) -> Proposal:
+    def wanted(self, name: str) -> TaskOverride:
         """What is wanted of a task."""
-        return self._tasks.get(name, Proposal())
+        return self._tasks.get(name, TaskOverride())
 
     def change(self, tasks: Sequence[Task], name: str, wish: Wish) -> None:
         """Want something of a task beside what was wanted: only the keys that the wish names count.
@@ -51,18 +51,18 @@ class Proposals:
 
     def withdraw(self, name: str) -> None:
         """Want nothing of a task but what the table says."""
-        self._propose(name, Proposal())
+        self._propose(name, TaskOverride())
 
-    def _propose(self, name: str, proposal: Proposal) -> None:
+    def _propose(self, name: str, proposal: TaskOverride) -> None:
         if proposal == self.wanted(name):
             return
         self._tasks.pop(name, None)
-        if proposal != Proposal():
+        if proposal != TaskOverride():
             self._tasks[name] = proposal
         now = self._clock.now()
         self._writer.write(ProposedSettings(dict(self._tasks)), now, now)
 
-    def _check(self, tasks: Sequence[Task], task: Task, wish: Wish, changed: Proposal) -> None:
+    def _check(self, tasks: Sequence[Task], task: Task, wish: Wish, changed: TaskOverride) -> None:
         if task.name in LOOPS or task.trigger == table.NONE:
             raise RequestRefused(
                 HTTPStatus.CONFLICT,
@@ -92,7 +92,7 @@ class Proposals:
                     accepted=problem.accepted,
                 )
 
-    def _line(self, task: Task, proposal: Proposal) -> table.Task:
+    def _line(self, task: Task, proposal: TaskOverride) -> table.Task:
         """A task's line of the table as somebody wants it, without what it reads and writes."""
         declared = self._settings.tasks[task.name]
         trigger = task.trigger or table.PERIOD
@@ -113,7 +113,7 @@ class Proposals:
 
 def _words(wish: Wish) -> str:
     """period_ms 50, enabled null."""
-    named = ((entry.name, getattr(wish, entry.name)) for entry in fields(Proposal))
+    named = ((entry.name, getattr(wish, entry.name)) for entry in fields(TaskOverride))
     said = (f"{key} {_value(value)}" for key, value in named if key in wish.model_fields_set)
     return ", ".join(said)
 

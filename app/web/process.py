@@ -21,7 +21,7 @@ def main() -> None:
     is for processes that loop by themselves.
     """
     attachment = attach()
-    listener = socket.socket(fileno=attachment.handed.sockets["http"])
+    listener = socket.socket(fileno=attachment.resources.sockets["http"])
     config = uvicorn.Config(
         create_app(attachment.store),
         access_log=False,

@@ -32,7 +32,7 @@ def start(handle: Handle) -> Step:
     detector = detector_of(handle.task.name, handle.settings)
     images = Images(handle)
     (record,) = handle.task.writes
-    findings = handle.slots_to_fill(record)
+    findings = handle.raw_writer(record)
     encoder = msgspec.msgpack.Encoder()
     diary = Diary()
     atexit.register(diary.save, diaries_of(handle.settings.source.uri), handle.task.name)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from app.web.blackboard import FrameStamp, Readings
 from tests.app.fake_tasks import Condition, process_infos, self_test, task_info
 from vision_core.clock import Instant
-from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, TaskInfo
+from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, TaskInfo, TaskOverride
 from vision_core.rtdb.items import T, Timed
 from vision_core.tasks.table import task_table
 from vision_core.types.objects import Sightings
@@ -29,7 +29,7 @@ def processes(**states: tuple[str, str]) -> Timed[Processes]:
 
 def told(name: str, *, rights: bool = True, **changes: object) -> Timed[TaskInfo]:
     """What a task says of itself when all is well, but for some fields."""
-    info = task_info(TASKS[name], Proposal(), 100, Condition(rights=rights))
+    info = task_info(TASKS[name], TaskOverride(), 100, Condition(rights=rights))
     return timed(replace(info, **changes))  # type: ignore[arg-type]
 
 

@@ -31,7 +31,7 @@ from vision_core.clock import Instant, MonotonicClock, after
 from vision_core.models.from_settings import camera_model_from, robots_of
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Processes, Proposal, ServiceInfo, Serving, SourceInfo
+from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, SourceInfo, TaskOverride
 from vision_core.rtdb.items import Item, T
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings.schema import Settings
@@ -122,7 +122,7 @@ class FakeService:
         wishes = proposed.value.tasks if proposed else {}
         for task in self.tasks:
             if {task.name, task.process}.isdisjoint({"web", *self.scene.states, *self.scene.condition.silent}):
-                wish = wishes.get(task.name, Proposal())
+                wish = wishes.get(task.name, TaskOverride())
                 self.put(records.task(task.name), task_info(task, wish, self._frames, self.scene.condition))
                 self._put_bytes(records.timing(task.name).name, timing_of(task))
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from vision_core.clock import NS_PER_MS, Instant
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, Proposal, SelfTest, TaskInfo
+from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, SelfTest, TaskInfo, TaskOverride
 from vision_core.rtdb.items import Item
-from vision_core.scheduling.executive import with_proposal
+from vision_core.scheduling.executive import with_override
 from vision_core.scheduling.task import Task
 from vision_core.timing.histogram import Histograms
 from vision_core.types.objects import Team
@@ -65,9 +65,9 @@ def process_infos(tasks: Sequence[Task], states: dict[str, tuple[str, str]]) -> 
     return tuple(infos)
 
 
-def task_info(task: Task, proposal: Proposal, frames: int, condition: Condition) -> TaskInfo:
+def task_info(task: Task, proposal: TaskOverride, frames: int, condition: Condition) -> TaskInfo:
     """Of one task after some frames, as it runs when it obeys a proposal."""
-    running = with_proposal(task, proposal)
+    running = with_override(task, proposal)
     interval_ms = running.period_s * 1e3 or FRAME_MS
     response_ms = RESPONSES_MS.get(task.name, 3.0)
     granted = condition.rights or not running.priority

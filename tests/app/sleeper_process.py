@@ -8,17 +8,17 @@ from vision_core.scheduling.attachment import attach, monotonic
 
 def main() -> None:
     attachment = attach()
-    name = attachment.handed.process
+    name = attachment.resources.process
     if name == "unborn":
         sys.exit(3)
-    attachment.beat(monotonic())
+    attachment.heartbeat(monotonic())
     if name == "job":
         print("1 of 1: nothing", flush=True)
         return
     if name == "faller":
         sys.exit(3)
     while not attachment.stopping or name == "deaf":
-        attachment.beat(monotonic())
+        attachment.heartbeat(monotonic())
         time.sleep(0.02)
         while name == "looper":
             pass

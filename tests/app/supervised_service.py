@@ -33,7 +33,7 @@ def main(arguments: list[str]) -> int:
         for name in names
     )
     beating = (*names, *spares)
-    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"beat/{name}", 8, 0.0) for name in beating))
+    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"heartbeat/{name}", 8, 0.0) for name in beating))
     control = f"pslv/test-{os.getpid()}"
     plan = ServicePlan(children, specs, {}, {}, monotonic(), spares, control, "tests.app.spare_process")
     supervisor = Supervisor(plan, tell, tell)

@@ -26,7 +26,7 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import PinholeCamera
 from vision_core.models.from_settings import camera_model_from
 from vision_core.rtdb.store import create_block
-from vision_core.scheduling.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.releases import Release
 from vision_core.tasks.table import check_table, record_specs, task_table
@@ -250,7 +250,7 @@ def test_a_task_writes_what_it_finds_in_the_newest_image(tmp_path: Path) -> None
     task = next(task for task in task_table(settings) if task.name == "bgoal")
     specs = record_specs(settings, [task], ["bgoal"])
     block = create_block(specs)
-    attachment = Attachment(HandDown("bgoal", os.getpid(), 0, block, specs, None, {}, {}))
+    attachment = Attachment(ChildResources("bgoal", os.getpid(), 0, block, specs, None, {}, {}))
     handle, clock = Handle(task, attachment, settings), MonotonicClock()
     step = start(handle)
     release = Release(clock.now(), clock.now())

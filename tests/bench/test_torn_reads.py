@@ -71,13 +71,13 @@ def test_a_slot_filled_halfway_fools_the_control_only(trial: Trial) -> None:
 def test_a_reader_that_is_overtaken_notices() -> None:
     (writer, reader), proof = make(IMAGE), Proof(IMAGE)
     torn.publish(IMAGE, writer, proof, 1)
-    glance = reader.glance()
-    assert glance is not None
+    view = reader.view()
+    assert view is not None
     for sequence in (2, 3, 4):
         torn.publish(IMAGE, writer, proof, sequence)
-    assert reader.holds(glance)
+    assert reader.is_unchanged(view)
     writer.begin()
-    assert not reader.holds(glance)
+    assert not reader.is_unchanged(view)
 
 
 @pytest.mark.slow

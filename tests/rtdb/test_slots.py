@@ -24,7 +24,7 @@ def make(spec: RecordSpec) -> tuple[Store, SlotWriter, SlotReader]:
 def test_nothing_before_the_first_write() -> None:
     _store, _writer, reader = make(RecordSpec("a", 16, 1.0))
     assert reader.read(Instant(0)) is None
-    assert reader.glance() is None
+    assert reader.view() is None
 
 
 @given(st.lists(st.binary(max_size=64), min_size=1, max_size=20))
@@ -74,13 +74,13 @@ def test_a_glance_notices_that_it_was_overtaken() -> None:
     spec = RecordSpec("a", 16, 0.0, checksum=False)
     _store, writer, reader = make(spec)
     writer.write(b"first", Instant(1), Instant(1))
-    glance = reader.glance()
-    assert glance is not None
+    view = reader.view()
+    assert view is not None
     for index in range(spec.slots - 1):
         writer.write(b"later", Instant(index), Instant(index))
-        assert reader.holds(glance)
+        assert reader.is_unchanged(view)
     writer.begin()
-    assert not reader.holds(glance)
+    assert not reader.is_unchanged(view)
 
 
 def test_a_damaged_payload_is_never_delivered() -> None:

@@ -12,10 +12,10 @@ from typing import Any
 
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Proposal, ProposedSettings
+from vision_core.rtdb.infos import ProposedSettings, TaskOverride
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.store import create_block
-from vision_core.scheduling.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.executive import Executive
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.releases import Release
@@ -37,11 +37,11 @@ def main() -> None:
         *(item.spec for item in (IMAGES, SEEN, records.PROPOSED)),
         *(records.task(task.name).spec for task in TASKS),
         *(records.timing(task.name) for task in TASKS),
-        records.beat("p"),
+        records.heartbeat("p"),
     )
     block, wake, heard = create_block(specs), os.eventfd(0, os.EFD_NONBLOCK), os.eventfd(0, os.EFD_NONBLOCK)
-    handed = HandDown("p", os.getpid(), time.monotonic_ns(), block, specs, wake, {"seen": (heard,)}, {})
-    attachment = Attachment(handed)
+    resources = ChildResources("p", os.getpid(), time.monotonic_ns(), block, specs, wake, {"seen": (heard,)}, {})
+    attachment = Attachment(resources)
     counts: dict[str, list[int]] = {task.name: [0] for task in TASKS}
     order: list[str] = []
 
@@ -61,7 +61,7 @@ def main() -> None:
     def drive() -> None:
         clock, images = MonotonicClock(), IMAGES.writer(attachment.store)
         proposals = records.PROPOSED.writer(attachment.store)
-        changes = {"slow": Proposal(period_ms=20.0), "eyes": Proposal(enabled=False)}
+        changes = {"slow": TaskOverride(period_ms=20.0), "eyes": TaskOverride(enabled=False)}
         for tasks in ({}, changes, {}):
             proposals.write(ProposedSettings(tasks), clock.now(), clock.now())
             for _ in range(10):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from vision_core.scheduling.checks import Problem, load, problems, warnings
+from vision_core.scheduling.checks import TableProblem, load, problems, warnings
 from vision_core.scheduling.task import DRIVER, MAX_RUN_S, PERIOD, Task
 
 GIVEN = ("service",)
@@ -33,7 +33,7 @@ def test_two_writers_are_named() -> None:
 
 def test_an_unknown_record_is_named_with_those_that_are_known() -> None:
     (problem,) = problems((*SOUND, replace(LINES, name="x", reads=("ghost",), writes=())), GIVEN, 30.0)
-    assert problem == Problem(
+    assert problem == TableProblem(
         "tasks.x.reads", "ghost, which nobody writes", "a record that is written: frames, lines, seen, service"
     )
 

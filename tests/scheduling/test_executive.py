@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from tests.conftest import ROOT
-from vision_core.rtdb.infos import Proposal
-from vision_core.scheduling.executive import with_proposal
+from vision_core.rtdb.infos import TaskOverride
+from vision_core.scheduling.executive import with_override
 from vision_core.scheduling.task import PERIOD, Task
 
 pytestmark = pytest.mark.slow
@@ -56,6 +56,6 @@ def test_a_run_with_nothing_to_do_does_not_count(ran: dict[str, Any]) -> None:
 
 def test_a_proposal_changes_what_it_names() -> None:
     task = Task("t", "m", PERIOD, (), (), "t", priority=3, period_s=0.1)
-    assert with_proposal(task, Proposal()) == task
-    changed = with_proposal(task, Proposal(enabled=False, period_ms=20.0, priority=0))
+    assert with_override(task, TaskOverride()) == task
+    changed = with_override(task, TaskOverride(enabled=False, period_ms=20.0, priority=0))
     assert (changed.enabled, changed.period_s, changed.priority) == (False, 0.02, 0)

@@ -12,21 +12,21 @@ from vision_core.errors import ServiceError
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import create_block
-from vision_core.scheduling.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.task import PERIOD, Task
 from vision_core.venues.loader import load_settings
 
 SEEN, TOLD, OTHER = (packed(name, int, 64, 1.0) for name in ("seen", "told", "other"))
 TASK = Task("mine", "m", PERIOD, ("seen",), ("told",), "mine", period_s=0.1)
-SPECS = (*(item.spec for item in (SEEN, TOLD, OTHER)), RecordSpec("beat/mine", 8, 1.0))
+SPECS = (*(item.spec for item in (SEEN, TOLD, OTHER)), RecordSpec("heartbeat/mine", 8, 1.0))
 
 
 @pytest.fixture
 def handle() -> Iterator[Handle]:
     block, wake = create_block(SPECS), os.eventfd(0, os.EFD_NONBLOCK)
-    handed = HandDown("mine", os.getpid(), 0, block, SPECS, wake, {}, {})
-    attachment = Attachment(handed)
+    resources = ChildResources("mine", os.getpid(), 0, block, SPECS, wake, {}, {})
+    attachment = Attachment(resources)
     yield Handle(TASK, attachment, load_settings())
     attachment.store.close()
     os.close(block)
@@ -48,7 +48,7 @@ def test_other_records_are_refused_by_name(handle: Handle) -> None:
 
 
 def test_it_beats_while_it_waits_and_sleeps(handle: Handle) -> None:
-    beats = handle.attachment.store.reader("beat/mine")
+    beats = handle.attachment.store.reader("heartbeat/mine")
     assert not handle.wait(0.25)
     waited = beats.sequence
     assert waited >= 2
@@ -58,13 +58,13 @@ def test_it_beats_while_it_waits_and_sleeps(handle: Handle) -> None:
 
 def test_who_is_released_by_the_clock_sleeps_instead_of_waiting(handle: Handle) -> None:
     attachment = handle.attachment
-    attachment.handed = replace(attachment.handed, wake=None)
+    attachment.resources = replace(attachment.resources, wake=None)
     began = time.monotonic()
     assert not handle.wait(0.15)
     assert time.monotonic() - began >= 0.15
 
 
 def test_a_raised_event_ends_the_wait(handle: Handle) -> None:
-    assert handle.attachment.handed.wake is not None
-    os.eventfd_write(handle.attachment.handed.wake, 1)
+    assert handle.attachment.resources.wake is not None
+    os.eventfd_write(handle.attachment.resources.wake, 1)
     assert handle.wait(5.0)

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from vision_core.clock import Instant, ManualClock
-from vision_core.rtdb.slots import READ_TRIES, Glance
+from vision_core.rtdb.slots import READ_TRIES, SlotView
 from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import Release
 from vision_core.venues.loader import load_settings
@@ -20,16 +20,18 @@ class Ring:
     def __init__(self, overtakes: int) -> None:
         self.left = overtakes
 
-    def glance(self) -> Glance:
-        return Glance(PAYLOAD, 5, Instant(0), Instant(0))
+    def view(self) -> SlotView:
+        return SlotView(PAYLOAD, 5, Instant(0), Instant(0))
 
-    def holds(self, _glance: Glance) -> bool:
+    def is_unchanged(self, _glance: SlotView) -> bool:
         self.left -= 1
         return self.left < 0
 
 
 def images_from(overtakes: int) -> tuple[Images, Any]:
-    handle: Any = SimpleNamespace(settings=SETTINGS, clock=ManualClock(), note="", slots=lambda _name: Ring(overtakes))
+    handle: Any = SimpleNamespace(
+        settings=SETTINGS, clock=ManualClock(), note="", raw_reader=lambda _name: Ring(overtakes)
+    )
     return Images(handle), handle
 
 

@@ -13,7 +13,7 @@ from vision_core.geometry import Bytes
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.store import create_block
-from vision_core.scheduling.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.scheduling.task import PERIOD, Task
@@ -40,9 +40,9 @@ class Watch:
 
     def __init__(self, module: Any, item: Item[Any]) -> None:
         task = Task("watch", module.__name__, PERIOD, (FRAMES.name,), (item.spec.name,), "watch", period_s=0.1)
-        specs = (FRAMES, item.spec, records.beat("watch"))
+        specs = (FRAMES, item.spec, records.heartbeat("watch"))
         self._block = create_block(specs)
-        self._attachment = Attachment(HandDown("watch", os.getpid(), 0, self._block, specs, None, {}, {}))
+        self._attachment = Attachment(ChildResources("watch", os.getpid(), 0, self._block, specs, None, {}, {}))
         self._frames = self._attachment.store.writer(FRAMES.name)
         self._told = item.reader(self._attachment.store)
         self._clock = MonotonicClock()

@@ -12,9 +12,9 @@ import pytest
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.native.opencv import write_picture
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Exposure, Order
+from vision_core.rtdb.infos import FrameDone, FrameRequest
 from vision_core.rtdb.store import create_block
-from vision_core.scheduling.attachment import Attachment, HandDown
+from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.settings.schema import Settings
@@ -41,10 +41,10 @@ class Stage:
 
     def start(self, name: str) -> Step:
         """A task as its process would start it."""
-        woken = {"exposures/main": "capture", "source/main": "capture", "orders/main": "source"}
+        woken = {"frames_done/main": "capture", "source/main": "capture", "frame_requests/main": "source"}
         notify: dict[str, tuple[int, ...]] = {record: (self.events[other],) for record, other in woken.items()}
-        handed = HandDown(name, os.getpid(), 0, self.block, self.specs, self.events[name], notify, {})
-        attachment = Attachment(handed)
+        resources = ChildResources(name, os.getpid(), 0, self.block, self.specs, self.events[name], notify, {})
+        attachment = Attachment(resources)
         self.attachments.append(attachment)
         start = {"capture": capture.start, "source": source.start}[name]
         self.handles.append(Handle(self.table[name], attachment, self.settings))
@@ -99,11 +99,11 @@ def test_images_come_in_order_on_a_grid(stage: Stage) -> None:
         levels, instants = [], []
         for _ in range(6):
             release = stage.run(shoot)
-            glance = frames.glance()
-            assert glance is not None
-            levels.append(glance.payload[0])
-            instants.append(glance.measured)
-            assert glance.written >= release.due >= glance.measured
+            view = frames.view()
+            assert view is not None
+            levels.append(view.payload[0])
+            instants.append(view.measured)
+            assert view.written >= release.due >= view.measured
     finally:
         player.end()
     assert levels == [10, 11, 12, 10, 11, 12]
@@ -118,7 +118,7 @@ def test_a_new_source_does_not_touch_what_is_published(stage: Stage) -> None:
         stage.run(shoot)
     finally:
         player.end()
-    exposures = stage.attachments[-1].store.reader("exposures/main")
+    exposures = stage.attachments[-1].store.reader("frames_done/main")
     before = exposures.sequence
     again = stage.start("source")
     assert again(Release(stage.clock.now(), stage.clock.now())) is False
@@ -145,7 +145,7 @@ def test_an_exposure_of_an_older_order_is_not_published(stage: Stage) -> None:
         player.end()
     shoot = stage.start("capture")  # a successor: its first order has a new number
     store = stage.attachments[-1].store
-    records.exposures("main").writer(store).write(Exposure(1), stage.clock.now(), stage.clock.now())
+    records.frames_done("main").writer(store).write(FrameDone(1), stage.clock.now(), stage.clock.now())
     assert shoot(Release(stage.clock.now(), stage.clock.now())) is False
     assert store.reader("frames/main").sequence == 1
 
@@ -153,20 +153,20 @@ def test_an_exposure_of_an_older_order_is_not_published(stage: Stage) -> None:
 def test_an_order_that_comes_while_another_is_filled_is_not_lost(stage: Stage) -> None:
     step = stage.start("source")
     store = stage.attachments[-1].store
-    orders, now = records.orders("main").writer(store), stage.clock.now()
-    orders.write(Order(1, 1, now), now, now)
+    orders, now = records.frame_requests("main").writer(store), stage.clock.now()
+    orders.write(FrameRequest(1, 1, now), now, now)
 
     def grab_and_be_asked(_keeper: OrderedKeeper) -> Instant:
         """A new capture gives its first order while the old one's image is made."""
         if orders.sequence == 1:
-            orders.write(Order(2, 1, now), now, now)
+            orders.write(FrameRequest(2, 1, now), now, now)
         return now
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(OrderedKeeper, "wait", grab_and_be_asked)
         assert step(Release(now, now))
         assert step(Release(now, now))
-    filled = records.exposures("main").reader(store).value(now)
+    filled = records.frames_done("main").reader(store).value(now)
     assert filled.number == 2
 
 
@@ -179,7 +179,7 @@ def test_switched_off_and_on_capture_begins_with_an_image_of_now(stage: Stage) -
         stage.handles[-1].pause()
         before = stage.clock.now()
         release = stage.run(shoot)
-        frames = stage.attachments[-1].store.reader("frames/main").glance()
+        frames = stage.attachments[-1].store.reader("frames/main").view()
         assert frames is not None
         assert frames.measured >= before
         assert release.missed == 0
@@ -197,9 +197,9 @@ def test_the_simulated_camera_renders_to_order() -> None:
         seen = []
         for _ in range(3):
             made.run(shoot)
-            glance = frames.glance()
-            assert glance is not None
-            seen.append(bytes(glance.payload))
+            view = frames.view()
+            assert view is not None
+            seen.append(bytes(view.payload))
         assert len(set(seen)) == 3
     finally:
         player.end()

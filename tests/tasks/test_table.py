@@ -26,7 +26,7 @@ def test_every_record_of_the_table_has_a_place() -> None:
     places = {spec.name for spec in record_specs(settings, tasks, ["a", "b"])}
     for task in tasks:
         assert {*task.reads, *task.writes, f"task/{task.name}", f"timing/{task.name}"} <= places
-    assert {"beat/a", "beat/b"} <= places
+    assert {"heartbeat/a", "heartbeat/b"} <= places
 
 
 def test_a_device_delivers_by_itself() -> None:

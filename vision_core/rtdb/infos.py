@@ -125,7 +125,7 @@ LAGS = ("server", "network", "client")
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class FrameRequest:
     """Capture asks for an image: which slot of the ring to fill, and for when."""
 
     number: int
@@ -134,14 +134,14 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True)
-class Exposure:
+class FrameDone:
     """An order is filled."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
+class TaskOverride:
     """How somebody wants a task to run from now on; what is None stays as the table has it."""
 
     enabled: bool | None = None
@@ -153,7 +153,7 @@ class Proposal:
 class ProposedSettings:
     """What the web side wants changed while the service runs."""
 
-    tasks: dict[str, Proposal]
+    tasks: dict[str, TaskOverride]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """Typed records: a name, a size, a validity and a codec; every read says how old the value is."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 import msgspec
 
@@ -44,6 +45,11 @@ class Item(Generic[T]):
         self.spec = spec
         self._encoder = encoder
         self._decoder = decoder
+
+    @property
+    def name(self) -> str:
+        """Name of the record in the database."""
+        return self.spec.name
 
     def encode(self, value: T) -> bytes:
         return self._encoder.encode(value)
@@ -95,6 +101,31 @@ def tabled(name: str, kind: TableKind[T], validity_s: float) -> Item[T]:
     """A record that is a table."""
     codec = TableCodec(kind)
     return Item(RecordSpec(name, len(kind().bytes), validity_s), codec, codec)
+
+
+@dataclass(frozen=True, slots=True)
+class CameraRecord(Generic[T]):
+    """A record that every camera has, as NAME/CAMERA."""
+
+    name: str
+    _item: Callable[[str], Item[T]]
+
+    def __call__(self, camera: str) -> Item[T]:
+        """The record of one camera."""
+        return self._item(f"{self.name}/{camera}")
+
+
+AnyRecord: TypeAlias = Item[Any] | CameraRecord[Any]
+
+
+def per_camera(name: str, kind: type[T], capacity: int, validity_s: float) -> CameraRecord[T]:
+    """A packed record of every camera."""
+    return CameraRecord(name, lambda full_name: packed(full_name, kind, capacity, validity_s))
+
+
+def per_camera_table(name: str, kind: TableKind[T], validity_s: float) -> CameraRecord[T]:
+    """A record of every camera that is a table."""
+    return CameraRecord(name, lambda full_name: tabled(full_name, kind, validity_s))
 
 
 class ItemReader(Generic[T]):

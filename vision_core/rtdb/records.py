@@ -17,14 +17,14 @@
 | lines/<camera> | lines | whether the painted lines are where they should be |
 | exposure/<camera> | exposure | how light the field is |
 | colors/<camera> | colors | how far the light has drifted from the venue's |
-| orders/<camera> | capture | which image a simulated camera or a file is to deliver next |
-| exposures/<camera> | source | that it did |
+| frame_requests/<camera> | capture | which image a simulated camera or a file is to deliver next |
+| frames_done/<camera> | source | that this image is in its slot |
 | lags | serve | histograms of the lags of server, network and clients |
 | selftest | supervisor | how well this machine keeps time |
 | proposed_settings | web | what is to change while the service runs |
 | task/<task> | each task | how it stands and does |
 | timing/<task> | each task | its histograms |
-| beat/<process> | each process | that it lives |
+| heartbeat/<process> | each process | that it lives |
 """
 
 import msgspec
@@ -32,8 +32,8 @@ import msgspec
 from vision_core.rtdb.infos import (
     LAGS,
     TIMINGS,
-    Exposure,
-    Order,
+    FrameDone,
+    FrameRequest,
     Processes,
     ProposedSettings,
     SelfTest,
@@ -42,7 +42,7 @@ from vision_core.rtdb.infos import (
     SourceInfo,
     TaskInfo,
 )
-from vision_core.rtdb.items import Item, packed, tabled
+from vision_core.rtdb.items import AnyRecord, CameraRecord, Item, packed, per_camera, per_camera_table, tabled
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.timing.histogram import size_of
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
@@ -67,44 +67,37 @@ PROPOSED = packed("proposed_settings", ProposedSettings, 16384, 0.0)
 SELF_TEST = packed("selftest", SelfTest, 2048, 0.0)
 
 
-def source(camera: str) -> Item[SourceInfo]:
-    return packed(f"source/{camera}", SourceInfo, 16384, 0.0)
+source = per_camera("source", SourceInfo, 16384, 0.0)
+sightings: CameraRecord[Sightings] = per_camera_table("sightings", SightingsTable, 0.25)
+obstacles = per_camera("obstacles", Obstacles, 16384, 0.5)
+diagnosis = per_camera("diagnosis", Diagnosis, 16384, 5.0)
+boundary = per_camera("boundary", Finding[FieldBoundary], 16384, WATCHED_S)
+lines = per_camera("lines", Finding[LineCheck], 4096, WATCHED_S)
+exposure = per_camera("exposure", Finding[ExposureCheck], 4096, WATCHED_S)
+colors = per_camera("colors", Finding[ColorDrift], 4096, WATCHED_S)
+frame_requests = per_camera("frame_requests", FrameRequest, 256, 0.0)
+frames_done = per_camera("frames_done", FrameDone, 256, 0.0)
 
-
-def sightings(camera: str) -> Item[Sightings]:
-    return tabled(f"sightings/{camera}", SightingsTable, 0.25)
-
-
-def obstacles(camera: str) -> Item[Obstacles]:
-    return packed(f"obstacles/{camera}", Obstacles, 16384, 0.5)
-
-
-def diagnosis(camera: str) -> Item[Diagnosis]:
-    return packed(f"diagnosis/{camera}", Diagnosis, 16384, 5.0)
-
-
-def boundary(camera: str) -> Item[Finding[FieldBoundary]]:
-    return packed(f"boundary/{camera}", Finding[FieldBoundary], 16384, WATCHED_S)
-
-
-def lines(camera: str) -> Item[Finding[LineCheck]]:
-    return packed(f"lines/{camera}", Finding[LineCheck], 4096, WATCHED_S)
-
-
-def exposure(camera: str) -> Item[Finding[ExposureCheck]]:
-    return packed(f"exposure/{camera}", Finding[ExposureCheck], 4096, WATCHED_S)
-
-
-def colors(camera: str) -> Item[Finding[ColorDrift]]:
-    return packed(f"colors/{camera}", Finding[ColorDrift], 4096, WATCHED_S)
-
-
-def orders(camera: str) -> Item[Order]:
-    return packed(f"orders/{camera}", Order, 256, 0.0)
-
-
-def exposures(camera: str) -> Item[Exposure]:
-    return packed(f"exposures/{camera}", Exposure, 256, 0.0)
+CATALOG: tuple[AnyRecord, ...] = (
+    PROCESSES,
+    SELF_TEST,
+    source,
+    sightings,
+    obstacles,
+    boundary,
+    lines,
+    exposure,
+    colors,
+    diagnosis,
+    WORLD,
+    VIEWS,
+    SERVING,
+    PROPOSED,
+)
+"""Everything that a person may want to look at: ``vision_core.rtdb.catalog`` reads all of it at one instant. A record
+that is added here can be shown on the page."""
+HANDSHAKE = (frame_requests, frames_done)
+"""Records of each camera that only the tasks ``capture`` and ``source`` need."""
 
 
 def task(name: str) -> Item[TaskInfo]:
@@ -116,15 +109,11 @@ def timing(name: str) -> RecordSpec:
     return RecordSpec(f"timing/{name}", size_of(TIMINGS), 2.0)
 
 
-def beat(process: str) -> RecordSpec:
+def heartbeat(process: str) -> RecordSpec:
     """Written again and again by a process that lives; it holds nothing."""
-    return RecordSpec(f"beat/{process}", 8, 1.0)
+    return RecordSpec(f"heartbeat/{process}", 8, 1.0)
 
 
 def frames(camera: str, width_px: int, height_px: int) -> RecordSpec:
     """The ring of images: blue green red, row by row."""
     return RecordSpec(f"frames/{camera}", width_px * height_px * 3, 0.25, checksum=False)
-
-
-PER_CAMERA = (source, sightings, obstacles, boundary, lines, exposure, colors, diagnosis, orders, exposures)
-"""Records of each camera beside its frames."""

@@ -38,8 +38,8 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True)
-class Glance:
-    """A slot looked at in place, without a copy: ask ``SlotReader.holds`` after using it."""
+class SlotView:
+    """A slot looked at in place, without a copy: ask ``SlotReader.is_unchanged`` after using it."""
 
     payload: memoryview
     sequence: int
@@ -114,20 +114,20 @@ class SlotReader(_Ring):
     def read(self, now: Instant) -> Reading | None:
         """The newest value with its age; None before the first write, or when three tries were torn."""
         for _ in range(READ_TRIES):
-            glance = self.glance()
-            if glance is None:
+            view = self.view()
+            if view is None:
                 continue
-            value = bytes(glance.payload)
-            index = glance.sequence % self.spec.slots
+            value = bytes(view.payload)
+            index = view.sequence % self.spec.slots
             checksum = self._fields[index][CHECKSUM]
-            if self.holds(glance) and (not self.spec.checksum or zlib.crc32(value) == checksum):
-                age = seconds_between(glance.measured, now)
+            if self.is_unchanged(view) and (not self.spec.checksum or zlib.crc32(value) == checksum):
+                age = seconds_between(view.measured, now)
                 limit = self.spec.validity_s
                 valid = limit == 0.0 or age <= limit
-                return Reading(value, glance.sequence, glance.measured, glance.written, age, valid)
+                return Reading(value, view.sequence, view.measured, view.written, age, valid)
         return None
 
-    def glance(self) -> Glance | None:
+    def view(self) -> SlotView | None:
         """The newest slot in place; None before the first write, or while it is being overtaken."""
         sequence = int(self._head[0])
         fields = self._fields[sequence % self.spec.slots]
@@ -135,8 +135,8 @@ class SlotReader(_Ring):
             return None
         length = min(fields[LENGTH], self.spec.capacity)
         payload = self._payloads[sequence % self.spec.slots][:length]
-        return Glance(payload, sequence, Instant(fields[MEASURED]), Instant(fields[WRITTEN]))
+        return SlotView(payload, sequence, Instant(fields[MEASURED]), Instant(fields[WRITTEN]))
 
-    def holds(self, glance: Glance) -> bool:
+    def is_unchanged(self, view: SlotView) -> bool:
         """Is the slot still the one that was looked at, and not being filled anew?"""
-        return bool(self._fields[glance.sequence % self.spec.slots][BEGUN] == glance.sequence)
+        return bool(self._fields[view.sequence % self.spec.slots][BEGUN] == view.sequence)

@@ -11,6 +11,6 @@ Rules: what costs time (imports, compiled code, memory) happens before a process
 it is refused, it says. The executive measures, the tasks do not.
 
 Files, outside-in: ``executive`` (the loop of a process), ``handle`` (what a task is given), ``releases`` (when a task
-is due), ``gauge`` (how it does), ``realtime`` (what is asked of the kernel), ``selftest`` (what the machine can do),
+is due), ``metrics`` (how it does), ``realtime`` (what is asked of the kernel), ``selftest`` (what the machine can do),
 ``checks`` (is a table of tasks sound?), ``task`` (one line of it).
 """

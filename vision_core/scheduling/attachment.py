@@ -1,6 +1,6 @@
 """How a child process gets hold of what the supervisor made: memory, events, sockets.
 
-The supervisor writes one environment variable, ``PSLV_HANDDOWN``, with the numbers of the descriptors
+The supervisor writes one environment variable, ``PSLV_RESOURCES``, with the numbers of the descriptors
 that it passes on. Everything here is standard library, since the supervisor uses it too.
 """
 
@@ -19,8 +19,8 @@ from vision_core.clock import Instant
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store
 
-VARIABLE = "PSLV_HANDDOWN"
-BEAT = "beat"
+VARIABLE = "PSLV_RESOURCES"
+HEARTBEAT = "heartbeat"
 """Record of each process by which it says that it lives."""
 PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
 MAX_NAME = 15
@@ -28,7 +28,7 @@ MAX_NAME = 15
 
 
 @dataclass(frozen=True, slots=True)
-class HandDown:
+class ChildResources:
     """What the supervisor hands to one child."""
 
     process: str
@@ -49,11 +49,11 @@ class HandDown:
         return json.dumps(asdict(self))
 
     @staticmethod
-    def decode(text: str) -> "HandDown":
+    def decode(text: str) -> "ChildResources":
         table = json.loads(text)
         table["records"] = tuple(RecordSpec(**spec) for spec in table["records"])
         table["notify"] = {name: tuple(fds) for name, fds in table["notify"].items()}
-        return HandDown(**table)
+        return ChildResources(**table)
 
     def descriptors(self) -> tuple[int, ...]:
         """Every descriptor that must be passed on."""
@@ -65,12 +65,12 @@ class HandDown:
 class Attachment:
     """A child's hold on the service. Ends with its supervisor; SIGTERM asks it to stop."""
 
-    def __init__(self, handed: HandDown) -> None:
-        self.handed = handed
-        self.store = Store(handed.records, handed.block)
-        self.boot = Instant(handed.boot)
+    def __init__(self, resources: ChildResources) -> None:
+        self.resources = resources
+        self.store = Store(resources.records, resources.block)
+        self.boot = Instant(resources.boot)
         self.stopping = False
-        self._beats = self.store.writer(f"{BEAT}/{handed.process}")
+        self._heartbeats = self.store.writer(f"{HEARTBEAT}/{resources.process}")
 
     def stop_on_signals(self) -> None:
         """SIGTERM sets ``stopping``; SIGINT is the supervisor's business."""
@@ -83,9 +83,9 @@ class Attachment:
 
     def wait(self, timeout_s: float) -> bool:
         """Wait for the event that releases this process; False after the timeout. Several raises count once."""
-        assert self.handed.wake is not None
+        assert self.resources.wake is not None
         poller = select.poll()
-        poller.register(self.handed.wake, select.POLLIN)
+        poller.register(self.resources.wake, select.POLLIN)
         if not poller.poll(timeout_s * 1e3):
             return False
         self.clear()
@@ -93,17 +93,17 @@ class Attachment:
 
     def clear(self) -> None:
         """Take note of the event: what raises it after this is news."""
-        assert self.handed.wake is not None
+        assert self.resources.wake is not None
         with contextlib.suppress(BlockingIOError):
-            os.eventfd_read(self.handed.wake)
+            os.eventfd_read(self.resources.wake)
 
-    def beat(self, now: Instant) -> None:
+    def heartbeat(self, now: Instant) -> None:
         """Say that this process lives. The first time says that it is ready to work."""
-        self._beats.write(b"", now, now)
+        self._heartbeats.write(b"", now, now)
 
     def notify(self, record: str) -> None:
         """Release everybody who waits for a record."""
-        for descriptor in self.handed.notify.get(record, ()):
+        for descriptor in self.resources.notify.get(record, ()):
             os.eventfd_write(descriptor, 1)
 
 
@@ -112,10 +112,10 @@ def attach() -> Attachment:
     text = os.environ.get(VARIABLE)
     if text is None:
         sys.exit("this process is a part of the service and is started by `pslv serve`")
-    handed = HandDown.decode(text)
-    end_with(handed.supervisor)
-    name_process(f"pslv:{handed.process}")
-    attachment = Attachment(handed)
+    resources = ChildResources.decode(text)
+    end_with(resources.supervisor)
+    name_process(f"pslv:{resources.process}")
+    attachment = Attachment(resources)
     attachment.stop_on_signals()
     return attachment
 

@@ -16,7 +16,7 @@ ROOM = 0.95
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class TableProblem:
     """What is wrong with one line."""
 
     key: str
@@ -25,9 +25,9 @@ class Problem:
     accepted: str
 
 
-def problems(tasks: Sequence[Task], given: Sequence[str], camera_rate_hz: float) -> list[Problem]:
+def problems(tasks: Sequence[Task], given: Sequence[str], camera_rate_hz: float) -> list[TableProblem]:
     """Everything that is wrong with a table; given: records that are written by nobody on it."""
-    found: list[Problem] = []
+    found: list[TableProblem] = []
     for rule in (_writers(tasks, given), _inputs(tasks, given), _cycles(tasks), _rates(tasks, camera_rate_hz)):
         found += rule
     return found
@@ -55,33 +55,33 @@ def load(tasks: Sequence[Task], camera_rate_hz: float) -> float:
     )
 
 
-def _writers(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[Problem]:
+def _writers(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProblem]:
     writers = dict.fromkeys(given, "the supervisor")
     for task in tasks:
         for record in task.writes:
             if record in writers:
-                yield Problem(
+                yield TableProblem(
                     f"tasks.{task.name}.writes", f"{record}, which {writers[record]} writes", "one writer for a record"
                 )
             writers.setdefault(record, task.name)
 
 
-def _inputs(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[Problem]:
+def _inputs(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProblem]:
     written = {*given, *(record for task in tasks for record in task.writes)}
     known = f"a record that is written: {', '.join(sorted(written))}"
     for task in tasks:
         for record in task.reads:
             if record not in written:
-                yield Problem(f"tasks.{task.name}.reads", f"{record}, which nobody writes", known)
+                yield TableProblem(f"tasks.{task.name}.reads", f"{record}, which nobody writes", known)
         if task.trigger not in (DRIVER, PERIOD, NONE) and task.trigger not in task.reads:
-            yield Problem(
+            yield TableProblem(
                 f"tasks.{task.name}.trigger",
                 f"{task.trigger}, which it does not read",
                 f"{PERIOD}, or a record of its reads: {', '.join(task.reads) or 'it has none'}",
             )
 
 
-def _cycles(tasks: Sequence[Task]) -> Iterator[Problem]:
+def _cycles(tasks: Sequence[Task]) -> Iterator[TableProblem]:
     by_record = {record: task for task in tasks for record in task.writes}
     for task in tasks:
         way, at = [task.name], by_record.get(task.trigger)
@@ -89,19 +89,19 @@ def _cycles(tasks: Sequence[Task]) -> Iterator[Problem]:
             way.append(at.name)
             at = by_record.get(at.trigger)
         if at is not None and at.name == task.name:
-            yield Problem(
+            yield TableProblem(
                 f"tasks.{task.name}.trigger",
                 f"a cycle: {' <- '.join([*way, task.name])}",
                 "a way from a camera or a period",
             )
 
 
-def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[Problem]:
+def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[TableProblem]:
     for task in tasks:
         yield from _rate(task, camera_rate_hz)
         if task.trigger in (DRIVER, NONE) and any(other.process == task.process for other in tasks if other != task):
             found = f"{task.process}, with others in it"
-            yield Problem(f"tasks.{task.name}.process", found, "a process of its own: it waits for its device")
+            yield TableProblem(f"tasks.{task.name}.process", found, "a process of its own: it waits for its device")
     shared: dict[str, float] = defaultdict(float)
     for task in tasks:
         if task.enabled and task.trigger != NONE:
@@ -109,7 +109,7 @@ def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[Problem]:
     for process, share in shared.items():
         if share > 1.0:
             named = next(task.name for task in tasks if task.process == process)
-            yield Problem(
+            yield TableProblem(
                 f"tasks.{named}.budget_ms",
                 f"budgets that fill {share:.2f} cores in process {process}",
                 "one core at most",
@@ -117,39 +117,39 @@ def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[Problem]:
     cores, needed = len(os.sched_getaffinity(0)), load(tasks, camera_rate_hz)
     if needed > ROOM * cores:
         heaviest = max(tasks, key=lambda task: task.budget_s * task.rate_hz(camera_rate_hz) if task.priority else 0.0)
-        yield Problem(
+        yield TableProblem(
             f"tasks.{heaviest.name}.budget_ms",
             f"budgets of real-time tasks that fill {needed:.2f} cores at a camera of {camera_rate_hz:g} Hz",
             f"{ROOM * cores:.2f} of the {cores} there are: longer periods, smaller budgets, or priority 0",
         )
 
 
-def _rate(task: Task, camera_rate_hz: float) -> Iterator[Problem]:
+def _rate(task: Task, camera_rate_hz: float) -> Iterator[TableProblem]:
     key = f"tasks.{task.name}"
     period_s, limits = task.period_s, (task.period_s, task.offset_s, task.budget_s)
     if not all(math.isfinite(value) and value >= 0.0 for value in limits):
-        yield Problem(f"{key}.period_ms", "a time that is no number or negative", "milliseconds, 0 or more")
+        yield TableProblem(f"{key}.period_ms", "a time that is no number or negative", "milliseconds, 0 or more")
         return
     if task.trigger == PERIOD and not period_s:
-        yield Problem(f"{key}.period_ms", "0", "a period: nothing else releases it")
+        yield TableProblem(f"{key}.period_ms", "0", "a period: nothing else releases it")
         return
     if task.trigger == NONE and (task.priority or task.cores or period_s):
-        yield Problem(f"{key}.priority", "a priority, a period or cores", "none of them: it has a loop of its own")
+        yield TableProblem(f"{key}.priority", "a priority, a period or cores", "none of them: it has a loop of its own")
         return
     if 0.0 < period_s < MIN_PERIOD_S:
-        yield Problem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}: an impossible rate", "1 ms or more")
+        yield TableProblem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}: an impossible rate", "1 ms or more")
         return
     if task.trigger == DRIVER and period_s:
-        yield Problem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}", "0: its driver alone releases it")
+        yield TableProblem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}", "0: its driver alone releases it")
     if period_s and task.offset_s >= period_s:
         found = f"{task.offset_s * MS_PER_S:g} at a period of {period_s * MS_PER_S:g} ms"
-        yield Problem(f"{key}.offset_ms", found, "less than the period")
+        yield TableProblem(f"{key}.offset_ms", found, "less than the period")
     between_s = 1.0 / task.rate_hz(camera_rate_hz)
     if task.trigger != NONE and task.budget_s > between_s:
         found = f"{task.budget_s * MS_PER_S:g} for what comes every {between_s * MS_PER_S:g} ms: an impossible rate"
-        yield Problem(f"{key}.budget_ms", found, "at most the time between two releases")
+        yield TableProblem(f"{key}.budget_ms", found, "at most the time between two releases")
     if task.budget_s > MAX_RUN_S:
         found = f"{task.budget_s * MS_PER_S:g}"
-        yield Problem(f"{key}.budget_ms", found, f"at most {MAX_RUN_S * MS_PER_S:g}: what runs longer hangs")
+        yield TableProblem(f"{key}.budget_ms", found, f"at most {MAX_RUN_S * MS_PER_S:g}: what runs longer hangs")
     if not 0 <= task.priority <= HIGHEST_PRIORITY:
-        yield Problem(f"{key}.priority", f"{task.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")
+        yield TableProblem(f"{key}.priority", f"{task.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, after, seconds_between
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Proposal
+from vision_core.rtdb.infos import TaskOverride
 from vision_core.rtdb.slots import SlotWriter
 from vision_core.scheduling.attachment import Attachment
-from vision_core.scheduling.handle import BEAT_EVERY_S, Handle, Step
-from vision_core.scheduling.metrics import Gauge
+from vision_core.scheduling.handle import HEARTBEAT_EVERY_S, Handle, Step
+from vision_core.scheduling.metrics import TaskMetrics
 from vision_core.scheduling.realtime import (
     ask_priority,
     exact_timers,
@@ -41,7 +41,7 @@ class _Running:
     """As it runs now."""
     handle: Handle
     step: Step
-    gauge: Gauge
+    metrics: TaskMetrics
     schedule: Grid | Trigger | None
     """None: a driver's task, which is always due."""
     heard: list[SlotWriter]
@@ -61,9 +61,9 @@ class Executive:
         self._obeyed = 0
         self._collected = self._clock.now()
         self._tasks = [self._running(handle, step) for handle, step in started]
-        self._chores = [chore for handle, _ in started for chore in handle.chores]
+        self._chores = [callback for handle, _ in started for callback in handle.idle_callbacks]
         self._listeners = {key: value for handle, _ in started for key, value in handle.listeners.items()}
-        wake = attachment.handed.wake
+        wake = attachment.resources.wake
         self._listening = [*self._listeners] if wake is None else [wake, *self._listeners]
         self._priority: int | None = None
         self._kept = ""
@@ -80,10 +80,10 @@ class Executive:
 
     def _running(self, handle: Handle, step: Step) -> _Running:
         task, store = handle.task, self._attachment.store
-        heard = [writer for name, writer in handle.outputs.items() if self._attachment.handed.notify.get(name)]
+        heard = [writer for name, writer in handle.outputs.items() if self._attachment.resources.notify.get(name)]
         handle.notified = {writer.spec.name: writer.sequence for writer in heard} | handle.notified
-        gauge = Gauge(store, task, self._attachment.handed.process)
-        return _Running(task, task, handle, step, gauge, self._schedule(task), heard)
+        metrics = TaskMetrics(store, task, self._attachment.resources.process)
+        return _Running(task, task, handle, step, metrics, self._schedule(task), heard)
 
     def _schedule(self, task: Task) -> Grid | Trigger | None:
         if task.trigger == DRIVER:
@@ -100,8 +100,8 @@ class Executive:
             self._obey()
         if not self._run_first(now):
             self._wait(now)
-        for chore in self._chores:
-            chore()
+        for callback in self._chores:
+            callback()
 
     def _is_asked(self) -> bool:
         """Does somebody want something of us: another table, or an end?"""
@@ -127,18 +127,18 @@ class Executive:
             if writer.sequence != running.handle.notified[writer.spec.name]:
                 running.handle.notify(writer.spec.name)
         if done_anything is False:
-            running.gauge.missed(release.missed)
+            running.metrics.missed(release.missed)
         else:
-            running.gauge.ran(release, done)
+            running.metrics.ran(release, done)
         now = self._clock.now()
-        self._attachment.beat(now)
+        self._attachment.heartbeat(now)
         self._publish(running, now)
         if running.schedule is None:  # a driver's task never waits here
             self._tidy(now)
 
     def _wait(self, now: Instant) -> None:
         """Tell how the tasks do, tidy up, and sleep until the next release or beat."""
-        self._attachment.beat(now)
+        self._attachment.heartbeat(now)
         highest = max((running.task.priority for running in self._tasks), default=0)
         if highest != self._priority:
             self._ask(highest)
@@ -150,7 +150,7 @@ class Executive:
             for running in self._tasks
             if running.task.enabled and isinstance(running.schedule, Grid)
         ]
-        beat = after(now, BEAT_EVERY_S)
+        beat = after(now, HEARTBEAT_EVERY_S)
         if self._listening:
             self._listen(min([beat, *due]))
         elif due and min(due) < beat:
@@ -166,41 +166,41 @@ class Executive:
             gc.collect()
             self._collected = now
             for running in self._tasks:
-                running.gauge.collections += 1
+                running.metrics.collections += 1
 
     def _listen(self, until: Instant) -> None:
         """Sleep until an instant, or before that a release or something to hear, which is handled."""
         left_s = seconds_between(self._clock.now(), until)
         ready, _, _ = select.select(self._listening, [], [], max(left_s, 0.0))
         for descriptor in ready:
-            if descriptor == self._attachment.handed.wake:
+            if descriptor == self._attachment.resources.wake:
                 self._attachment.clear()
             else:
                 self._listeners[descriptor]()
 
     def _publish(self, running: _Running, now: Instant) -> None:
-        running.gauge.note = running.handle.note
+        running.metrics.note = running.handle.note
         refused = "; ".join(filter(None, (running.refused, self._kept)))
-        running.gauge.publish_if_due(now, running.task, running.standing, refused)
+        running.metrics.publish_if_due(now, running.task, running.standing, refused)
 
     def _obey(self) -> None:
         """Let every task run as the newest proposal wants it."""
         self._obeyed = self._proposed.sequence
         timed = self._proposed.read(self._clock.now())
         for running in self._tasks:
-            proposal = timed.value.tasks.get(running.declared.name, Proposal()) if timed else Proposal()
-            wanted = with_proposal(running.declared, proposal)
+            proposal = timed.value.tasks.get(running.declared.name, TaskOverride()) if timed else TaskOverride()
+            wanted = with_override(running.declared, proposal)
             if wanted == running.task:
                 continue
             if wanted.period_s != running.task.period_s:
                 running.schedule = self._schedule(wanted)
             if wanted.enabled != running.task.enabled:
-                running.gauge.pause()
+                running.metrics.pause()
                 running.handle.pause()
                 if running.schedule is not None:
                     running.schedule.forget()
             running.task = wanted
-            running.gauge.hurry()  # whoever asked looks at once
+            running.metrics.hurry()  # whoever asked looks at once
         self._tasks.sort(key=lambda running: -running.task.priority)
 
     def _go_real_time(self) -> None:
@@ -214,7 +214,7 @@ class Executive:
             self._ask(priority)
         said = {running.refused for running in self._tasks} | {self._kept}
         for line in sorted(filter(None, said)):
-            print(f"{self._attachment.handed.process}: {line}", file=sys.stderr, flush=True)
+            print(f"{self._attachment.resources.process}: {line}", file=sys.stderr, flush=True)
 
     def _ask(self, priority: int) -> None:
         """Run at a priority from now on, and note what its tasks got."""
@@ -224,7 +224,7 @@ class Executive:
                 running.standing, running.refused = standing.policy, standing.refused
 
 
-def with_proposal(task: Task, proposal: Proposal) -> Task:
+def with_override(task: Task, proposal: TaskOverride) -> Task:
     """A task as somebody wants it to run."""
     return replace(
         task,

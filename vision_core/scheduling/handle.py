@@ -20,7 +20,7 @@ from vision_core.settings.schema import Settings
 T = TypeVar("T")
 Step: TypeAlias = Callable[[Release], bool | None]
 """One run; False: there was nothing to do, and it does not count."""
-BEAT_EVERY_S = 0.1
+HEARTBEAT_EVERY_S = 0.1
 
 
 class Handle:
@@ -34,7 +34,7 @@ class Handle:
         self.note = ""
         """What a person should know about the task just now."""
         self.listeners: dict[int, Callable[[], object]] = {}
-        self.chores: list[Callable[[], object]] = []
+        self.idle_callbacks: list[Callable[[], object]] = []
         self.outputs: dict[str, SlotWriter] = {}
         self.notified: dict[str, int] = {}
         """How often each output was written when it last released somebody."""
@@ -47,18 +47,18 @@ class Handle:
 
     def reader(self, item: Item[T]) -> ItemReader[T]:
         """Read a record. Raises ServiceError when the task's line does not name it."""
-        return item.over_reader(self.slots(item.spec.name))
+        return item.over_reader(self.raw_reader(item.spec.name))
 
     def writer(self, item: Item[T]) -> ItemWriter[T]:
         """Write a record. Raises ServiceError when the task's line does not name it."""
-        return item.over_writer(self.slots_to_fill(item.spec.name))
+        return item.over_writer(self.raw_writer(item.spec.name))
 
-    def slots(self, record: str) -> SlotReader:
+    def raw_reader(self, record: str) -> SlotReader:
         """A record's ring, to read. Raises ServiceError when the task's line does not name it."""
         self._check("reads", record, self.task.reads)
         return self.attachment.store.reader(record)
 
-    def slots_to_fill(self, record: str) -> SlotWriter:
+    def raw_writer(self, record: str) -> SlotWriter:
         """A record's ring, to write. Raises ServiceError when the task's line does not name it."""
         self._check("writes", record, self.task.writes)
         if record not in self.outputs:
@@ -82,9 +82,9 @@ class Handle:
         """Call a handler whenever a descriptor is readable, between runs."""
         self.listeners[descriptor] = handler
 
-    def every_turn(self, chore: Callable[[], object]) -> None:
+    def every_turn(self, callback: Callable[[], object]) -> None:
         """Call something after every run and wait, ten times a second at least."""
-        self.chores.append(chore)
+        self.idle_callbacks.append(callback)
 
     def when_switched(self, forget: Callable[[], object]) -> None:
         """Call something when the task is switched off or on: what it had begun is of long ago then."""
@@ -99,22 +99,22 @@ class Handle:
         """Sleep [s] without being taken for dead; shorter when the service stops."""
         end = after(self.clock.now(), duration_s)
         while (now := self.clock.now()) < end and not self.stopping:
-            sleep_until(min(end, after(now, BEAT_EVERY_S)))
-            self.attachment.beat(self.clock.now())
+            sleep_until(min(end, after(now, HEARTBEAT_EVERY_S)))
+            self.attachment.heartbeat(self.clock.now())
 
     def wait(self, timeout_s: float) -> bool:
         """Wait for what releases this process, without being taken for dead; False after the timeout [s].
 
         Who is released by the clock alone sleeps.
         """
-        if self.attachment.handed.wake is None:
+        if self.attachment.resources.wake is None:
             self.sleep(timeout_s)
             return False
         end = after(self.clock.now(), timeout_s)
         while True:
             left_s = seconds_between(self.clock.now(), end)
-            if self.attachment.wait(max(min(left_s, BEAT_EVERY_S), 0.0)):
+            if self.attachment.wait(max(min(left_s, HEARTBEAT_EVERY_S), 0.0)):
                 return True
-            self.attachment.beat(self.clock.now())
-            if left_s <= BEAT_EVERY_S or self.stopping:
+            self.attachment.heartbeat(self.clock.now())
+            if left_s <= HEARTBEAT_EVERY_S or self.stopping:
                 return False

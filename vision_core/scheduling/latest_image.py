@@ -22,7 +22,7 @@ class Images:
         camera = handle.settings.camera
         self._camera = camera.name
         self._handle = handle
-        self._frames = handle.slots(f"frames/{camera.name}")
+        self._frames = handle.raw_reader(f"frames/{camera.name}")
         self._copy = np.zeros((camera.height_px, camera.width_px, 3), dtype=np.uint8)
         self.overtaken = 0
         """Copies that were thrown away."""
@@ -34,12 +34,12 @@ class Images:
         """
         flat, before = self._copy.reshape(-1), self.overtaken
         for _ in range(READ_TRIES):
-            glance = self._frames.glance()
-            if glance is None or self._handle.clock.now() - glance.measured > SOON_S * 1e9:
+            view = self._frames.view()
+            if view is None or self._handle.clock.now() - view.measured > SOON_S * 1e9:
                 continue
-            np.copyto(flat, np.frombuffer(glance.payload, dtype=np.uint8))
-            if self._frames.holds(glance):
-                return ImageFrame(self._camera, glance.sequence, Instant(glance.measured), self._copy)
+            np.copyto(flat, np.frombuffer(view.payload, dtype=np.uint8))
+            if self._frames.is_unchanged(view):
+                return ImageFrame(self._camera, view.sequence, Instant(view.measured), self._copy)
             self.overtaken += 1
             self._handle.note = f"the camera overtook {self.overtaken} copies of its images"
         release.missed += self.overtaken > before

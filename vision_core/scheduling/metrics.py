@@ -18,7 +18,7 @@ INTERVALS_KEPT = 256
 MAX_NOTE = 500
 
 
-class Gauge:
+class TaskMetrics:
     """Measures one task."""
 
     def __init__(self, store: Store, task: Task, process: str) -> None:

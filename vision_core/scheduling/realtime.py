@@ -29,7 +29,7 @@ ORDINARY = "ordinary"
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class GrantedPolicy:
     """What a process has got from the kernel."""
 
     policy: str
@@ -46,7 +46,7 @@ class Memory:
     refused: str
 
 
-def ask_priority(priority: int) -> Standing:
+def ask_priority(priority: int) -> GrantedPolicy:
     """SCHED_FIFO at a priority for this process (its children start without it); 0 asks for nothing special.
 
     Where it is refused: the best nice value there is.
@@ -55,12 +55,12 @@ def ask_priority(priority: int) -> Standing:
         os.sched_setscheduler(0, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
         with contextlib.suppress(PermissionError):
             os.setpriority(os.PRIO_PROCESS, 0, BEFORE)
-        return Standing(ORDINARY, "")
+        return GrantedPolicy(ORDINARY, "")
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority))
     except OSError as error:
-        return Standing(_nicer(), f"SCHED_FIFO {priority} is refused: {_why(error)}")
-    return Standing(f"FIFO {priority}", "")
+        return GrantedPolicy(_nicer(), f"SCHED_FIFO {priority} is refused: {_why(error)}")
+    return GrantedPolicy(f"FIFO {priority}", "")
 
 
 def _why(error: OSError) -> str:

@@ -63,16 +63,16 @@ class Trigger:
 
     def take(self, now: Instant) -> Release | None:
         """The newest writing, if it has not released the task yet."""
-        glance = self._record.glance()
-        if glance is None or glance.sequence == self._seen:
+        view = self._record.view()
+        if view is None or view.sequence == self._seen:
             return None
         at = self._grid.take(now) if self._grid is not None else None
         if self._grid is not None and at is None:
             return None
-        passed, self._seen = glance.sequence - self._seen - 1, glance.sequence
+        passed, self._seen = view.sequence - self._seen - 1, view.sequence
         if at is None:
-            return Release(glance.written, now, passed, glance.sequence)
-        return Release(max(glance.written, at.due), now, min(passed, at.missed), glance.sequence)
+            return Release(view.written, now, passed, view.sequence)
+        return Release(max(view.written, at.due), now, min(passed, at.missed), view.sequence)
 
     def forget(self) -> None:
         """What was written up to now was not missed, the newest is news: the task was switched off or on."""

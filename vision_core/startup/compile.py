@@ -38,7 +38,7 @@ def main() -> None:
     running = {step: started(step, settings) for step in STEPS}
     told = ""
     while running and not attachment.stopping:
-        attachment.beat(clock.now())
+        attachment.heartbeat(clock.now())
         ended = [step for step, process in running.items() if process.poll() is not None]
         if failed := [step for step in ended if running[step].returncode]:
             break

@@ -14,7 +14,7 @@ def main() -> None:
     """Run until the supervisor says stop."""
     attachment = attach()
     settings = records.SERVICE.reader(attachment.store).value(MonotonicClock().now()).settings
-    ours = [task for task in task_table(settings) if task.process == attachment.handed.process]
+    ours = [task for task in task_table(settings) if task.process == attachment.resources.process]
     handles = [Handle(task, attachment, settings) for task in ours]
     Executive(attachment, [(handle, import_module(handle.task.module).start(handle)) for handle in handles]).run()
 

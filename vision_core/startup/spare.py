@@ -24,7 +24,7 @@ from vision_core.rtdb import records
 from vision_core.scheduling.attachment import VARIABLE, Attachment, attach
 from vision_core.settings.schema import Settings
 
-BEAT_EVERY_S = 0.1
+HEARTBEAT_EVERY_S = 0.1
 ORDERS = 0
 """Descriptor of standard input."""
 CHUNK = 65536
@@ -38,7 +38,7 @@ def main() -> None:
         try:
             load()
         except Exception as error:  # noqa: BLE001 (whatever a module does when it is imported)
-            print(f"{attachment.handed.process}: {name} cannot be loaded: {error!r}", file=sys.stderr, flush=True)
+            print(f"{attachment.resources.process}: {name} cannot be loaded: {error!r}", file=sys.stderr, flush=True)
     gc.collect()
     gc.freeze()  # what is loaded is no garbage: the collection before real time need not look at it
     wait_and_become(attachment)
@@ -73,8 +73,8 @@ def _order(attachment: Attachment) -> dict[str, Any] | None:
     poller = select.poll()
     poller.register(ORDERS, select.POLLIN)
     while not heard.endswith(b"\n"):
-        attachment.beat(clock.now())
-        if poller.poll(BEAT_EVERY_S * 1e3):
+        attachment.heartbeat(clock.now())
+        if poller.poll(HEARTBEAT_EVERY_S * 1e3):
             said = os.read(ORDERS, CHUNK)
             if not said:
                 return None

@@ -16,7 +16,7 @@ from vision_core.capture.source import Source, is_device, open_source
 from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SourceError
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Order, SourceInfo
+from vision_core.rtdb.infos import FrameRequest, SourceInfo
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.timing.rate_keeper import RateKeeper
@@ -33,7 +33,7 @@ def start(handle: Handle) -> Step:
 
 def _from_device(handle: Handle) -> Step:
     camera = handle.settings.camera
-    frames = handle.slots_to_fill(f"frames/{camera.name}")
+    frames = handle.raw_writer(f"frames/{camera.name}")
     about = handle.writer(records.source(camera.name))
     shape = (camera.height_px, camera.width_px, 3)
     source: Source | None = None
@@ -41,7 +41,7 @@ def _from_device(handle: Handle) -> Step:
     def opened() -> Source:
         fresh = open_source(handle.settings, handle.clock)
         now = handle.clock.now()
-        handle.attachment.beat(now)
+        handle.attachment.heartbeat(now)
         about.write(info_of(fresh, handle.settings.source.uri), now, now)
         return fresh
 
@@ -78,13 +78,13 @@ class _Shutter:
         camera = handle.settings.camera
         self._handle = handle
         self._size = camera.height_px * camera.width_px * 3
-        self._frames = handle.slots_to_fill(f"frames/{camera.name}")
-        self._orders = handle.writer(records.orders(camera.name))
-        self._exposures = handle.reader(records.exposures(camera.name))
+        self._frames = handle.raw_writer(f"frames/{camera.name}")
+        self._orders = handle.writer(records.frame_requests(camera.name))
+        self._exposures = handle.reader(records.frames_done(camera.name))
         self._about = handle.reader(records.source(camera.name))
         self._number = self._orders.sequence
         self._keeper: RateKeeper | None = None
-        self._order: Order | None = None
+        self._order: FrameRequest | None = None
         self._skipped = 0
 
     def forget(self) -> None:
@@ -108,7 +108,7 @@ class _Shutter:
         self._order, self._handle.note = None, ""
         return True
 
-    def _ordered(self) -> Order | None:
+    def _ordered(self) -> FrameRequest | None:
         """Ask for the image of the next instant; None before the source has said at which rate it delivers."""
         told = self._about.read(self._handle.clock.now())
         if told is None:
@@ -117,13 +117,13 @@ class _Shutter:
             self._keeper, self._skipped = RateKeeper(told.value.rate_hz, self._handle.clock), 0
         self._number += 1
         self._frames.begin()
-        order = Order(self._number, self._frames.next_slot, self._keeper.choose())
+        order = FrameRequest(self._number, self._frames.next_slot, self._keeper.choose())
         now = self._handle.clock.now()
         self._orders.write(order, now, now)
-        self._handle.notify(records.orders(self._handle.settings.camera.name).spec.name)
+        self._handle.notify(records.frame_requests(self._handle.settings.camera.name).spec.name)
         return order
 
-    def _waited_for(self, order: Order) -> Instant | None:
+    def _waited_for(self, order: FrameRequest) -> Instant | None:
         """When the image of an order was there; None when it has not come within PATIENCE_S."""
         while (filled := self._exposures.read(self._handle.clock.now())) is None or filled.value.number != order.number:
             if not self._handle.wait(PATIENCE_S):

@@ -9,7 +9,7 @@ import numpy as np
 
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
-from vision_core.rtdb.slots import Glance
+from vision_core.rtdb.slots import SlotView
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
 from vision_core.settings.schema import CameraSettings
@@ -21,32 +21,32 @@ def start(handle: Handle) -> Step:
     camera = handle.settings.camera
     perception = Perception(handle.settings)
     perception.warm_up()
-    frames = handle.slots(f"frames/{camera.name}")
-    sightings = handle.slots_to_fill(records.sightings(camera.name).spec.name)
+    frames = handle.raw_reader(f"frames/{camera.name}")
+    sightings = handle.raw_writer(records.sightings(camera.name).spec.name)
 
     perceived = frames.sequence
 
     def step(release: Release) -> bool:
         nonlocal perceived
-        glance = frames.glance()
-        if glance is None or glance.sequence == perceived:
+        view = frames.view()
+        if view is None or view.sequence == perceived:
             return False
-        perceived = glance.sequence
-        release.missed += glance.sequence - release.sequence  # newer ones have come since the release
-        seen = perception.perceive(_image_from(glance, camera), handle.clock)
-        if not frames.holds(glance):  # the ring went round while we looked: what we saw is a mixture
+        perceived = view.sequence
+        release.missed += view.sequence - release.sequence  # newer ones have come since the release
+        seen = perception.perceive(_image_from(view, camera), handle.clock)
+        if not frames.is_unchanged(view):  # the ring went round while we looked: what we saw is a mixture
             handle.note = "the camera overtook the last look: it was thrown away"
             release.missed += 1
             return True
         handle.note = ""
-        sightings.write(seen.bytes, glance.measured, handle.clock.now())
+        sightings.write(seen.bytes, view.measured, handle.clock.now())
         return True
 
     return step
 
 
-def _image_from(glance: Glance, camera: CameraSettings) -> ImageFrame:
+def _image_from(view: SlotView, camera: CameraSettings) -> ImageFrame:
     """The frame in place, read-only: nothing is copied."""
-    pixels = np.frombuffer(glance.payload.toreadonly(), dtype=np.uint8)
+    pixels = np.frombuffer(view.payload.toreadonly(), dtype=np.uint8)
     shaped = pixels.reshape(camera.height_px, camera.width_px, 3)
-    return ImageFrame(camera.name, glance.sequence, glance.measured, shaped)
+    return ImageFrame(camera.name, view.sequence, view.measured, shaped)

@@ -54,16 +54,16 @@ class Server:
         self._clock = handle.clock
         self._tracker = Tracker(settings.tracks, settings.robots)
         self._messages = Messages(settings, handle.attachment.boot)
-        self._sightings = handle.slots(records.sightings(camera).spec.name)
+        self._sightings = handle.raw_reader(records.sightings(camera).spec.name)
         self._seen = SightingsTable()
         self._obstacles = handle.reader(records.obstacles(camera))
         self._things: tuple[int, Table, Instant | None] = (0, obstacle_table(()), None)
-        self._world = handle.slots_to_fill(records.WORLD.spec.name)
-        self._views = handle.slots_to_fill(records.VIEWS.spec.name)
+        self._world = handle.raw_writer(records.WORLD.spec.name)
+        self._views = handle.raw_writer(records.VIEWS.spec.name)
         self._serving = handle.writer(records.SERVING)
-        self._sessions = handle.slots_to_fill(records.SESSIONS.name)
-        self._lag_record = handle.slots_to_fill(records.LAG_HISTOGRAMS.name)
-        main, session = (adopted(handle.attachment.handed.sockets[name]) for name in ("main", "session"))
+        self._sessions = handle.raw_writer(records.SESSIONS.name)
+        self._lag_record = handle.raw_writer(records.LAG_HISTOGRAMS.name)
+        main, session = (adopted(handle.attachment.resources.sockets[name]) for name in ("main", "session"))
         order = random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
         self._udp = UdpServer(main, session, self._restored(settings), self._clock, order)
         self._lags = Histograms(LAGS)
@@ -191,7 +191,7 @@ class Server:
             diagonal_m=diagonal_m(settings.field),
             admission=Admission.from_subnets(settings.admission.subnets),
         )
-        kept = self._handle.slots(records.SESSIONS.name).read(self._clock.now())
+        kept = self._handle.raw_reader(records.SESSIONS.name).read(self._clock.now())
         return Sessions(rules) if kept is None else Sessions.restore(rules, kept.value)
 
 

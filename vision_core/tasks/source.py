@@ -10,7 +10,7 @@ from vision_core.capture.source import Played, open_played
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.errors import SourceError
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Exposure
+from vision_core.rtdb.infos import FrameDone
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.tasks.capture import REOPEN_EVERY_S, info_of
 from vision_core.timing.rate_keeper import OrderedKeeper
@@ -31,20 +31,20 @@ class _Player:
         camera = handle.settings.camera
         self._handle = handle
         self._shape = (camera.height_px, camera.width_px, 3)
-        self._frames = handle.slots(f"frames/{camera.name}")
-        self._orders = handle.reader(records.orders(camera.name))
-        self._exposures = handle.writer(records.exposures(camera.name))
+        self._frames = handle.raw_reader(f"frames/{camera.name}")
+        self._orders = handle.reader(records.frame_requests(camera.name))
+        self._exposures = handle.writer(records.frames_done(camera.name))
         self._about = handle.writer(records.source(camera.name))
         self._source: Played | None = None
         self._keeper = OrderedKeeper(camera.rate_hz)
         self._opened = Instant(0)
         self._filled = 0
         """Orders, by the record's sequence."""
-        done = handle.reader(records.exposures(camera.name)).read(handle.clock.now())
+        done = handle.reader(records.frames_done(camera.name)).read(handle.clock.now())
         order = self._orders.read(handle.clock.now())
         if done and order and done.value.number == order.value.number:
             self._filled = order.sequence  # by a predecessor, who perhaps could not say so any more
-            handle.notify(records.exposures(camera.name).spec.name)
+            handle.notify(records.frames_done(camera.name).spec.name)
 
     def reopen(self) -> None:
         """Try again to open a source that could not be read."""
@@ -65,8 +65,8 @@ class _Player:
             self._source, self._handle.note = None, str(error)
             return False
         self._filled, now = timed.sequence, self._handle.clock.now()
-        self._exposures.write(Exposure(order.number), now, now)
-        self._handle.notify(records.exposures(self._handle.settings.camera.name).spec.name)
+        self._exposures.write(FrameDone(order.number), now, now)
+        self._handle.notify(records.frames_done(self._handle.settings.camera.name).spec.name)
         self._handle.note = ""
         return True
 

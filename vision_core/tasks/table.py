@@ -16,8 +16,9 @@ from collections.abc import Callable, Iterator, Sequence
 from vision_core.capture.source import is_device
 from vision_core.errors import SettingsError
 from vision_core.rtdb import records
+from vision_core.rtdb.catalog import catalog
 from vision_core.rtdb.layout import RecordSpec
-from vision_core.scheduling.checks import Problem, problems
+from vision_core.scheduling.checks import TableProblem, problems
 from vision_core.scheduling.task import DRIVER, NONE, Task
 from vision_core.settings.schema import Settings, TaskSettings
 
@@ -43,7 +44,7 @@ def task_table(settings: Settings) -> tuple[Task, ...]:
 def _page(settings: Settings) -> Iterator[Task]:
     camera = settings.camera.name
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
-    orders, exposures, obstacles = f"orders/{camera}", f"exposures/{camera}", f"obstacles/{camera}"
+    requests, done, obstacles = f"frame_requests/{camera}", f"frames_done/{camera}", f"obstacles/{camera}"
     watched = [f"{name}/{camera}" for name in ("boundary", "lines", "exposure", "colors")]
     diagnosis = f"diagnosis/{camera}"
 
@@ -73,8 +74,8 @@ def _page(settings: Settings) -> Iterator[Task]:
     if is_device(settings):
         yield line("capture", DRIVER, [], [frames, source])
     else:  # images of a file or a simulation are made without real time, in the slots that capture names
-        yield line("capture", DRIVER, [exposures, source], [frames, orders])
-        yield line(SOURCE, orders, [orders, exposures, frames], [exposures, source])
+        yield line("capture", DRIVER, [done, source], [frames, requests])
+        yield line(SOURCE, requests, [requests, done, frames], [done, source])
     yield line("perceive", frames, [frames], [sightings])
     yield line(
         "serve",
@@ -131,41 +132,41 @@ def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
     names = {task.name for task in tasks} | {SOURCE}
     unknown = (name for name in settings.tasks if name not in names)
     accepted = f"{', '.join(sorted(names))}, or with a module a task of your own"
-    strangers = [Problem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
+    strangers = [TableProblem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
     told = [f"{kind}/{task.name}" for task in tasks for kind in ("task", "timing")]
-    beats = [f"beat/{process}" for process in (COMPILER, *{task.process for task in tasks})]
+    beats = [f"heartbeat/{process}" for process in (COMPILER, *{task.process for task in tasks})]
     found = problems(tasks, (*GIVEN, *told, *beats), settings.camera.rate_hz)
     for problem in (*strangers, *_misplaced(settings), *found):
         where = f"{place_of(problem.key)}: {problem.key}"
         raise SettingsError(where, found=problem.found, accepted=problem.accepted)
 
 
-def _misplaced(settings: Settings) -> Iterator[Problem]:
+def _misplaced(settings: Settings) -> Iterator[TableProblem]:
     """What a line may not say: of a task that has its place on this page, or of one that has none."""
     ours = {task.name for task in _page(settings)} | {SOURCE}
     for name, times in settings.tasks.items():
         if name in ours and (times.module or times.reads or times.writes or times.trigger != "period"):
             said = "module, trigger, reads or writes"
-            yield Problem(f"tasks.{name}", said, "its times only: vision_core/tasks/table.py says the rest")
+            yield TableProblem(f"tasks.{name}", said, "its times only: vision_core/tasks/table.py says the rest")
         if name == "web" and times.process not in ("", name):
-            yield Problem("tasks.web.process", times.process, "a process of its own: it has a loop of its own")
+            yield TableProblem("tasks.web.process", times.process, "a process of its own: it has a loop of its own")
         if COMPILER in (name, times.process):
-            yield Problem(f"tasks.{name}", COMPILER, "another name: this one has a process of its own")
+            yield TableProblem(f"tasks.{name}", COMPILER, "another name: this one has a process of its own")
 
 
 def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[str]) -> tuple[RecordSpec, ...]:
     """Every record of the service; processes: everything that must say that it lives."""
     camera = settings.camera
     declared = [
-        *(item.spec for item in (records.SERVICE, records.PROCESSES, records.SELF_TEST, records.PROPOSED)),
-        *(item.spec for item in (records.WORLD, records.VIEWS, records.SERVING)),
+        records.SERVICE.spec,
+        *(item.spec for item in catalog(camera.name)),
+        *(kind(camera.name).spec for kind in records.HANDSHAKE),
         records.SESSIONS,
         records.LAG_HISTOGRAMS,
         records.frames(camera.name, camera.width_px, camera.height_px),
-        *(kind(camera.name).spec for kind in records.PER_CAMERA),
         *(records.task(task.name).spec for task in tasks),
         *(records.timing(task.name) for task in tasks),
-        *(records.beat(process) for process in processes),
+        *(records.heartbeat(process) for process in processes),
     ]
     there = {spec.name for spec in declared}
     own = [

@@ -18,7 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from app.web.blackboard import Blackboard
 from app.web.live.messages import PICTURE, STATE, TOPICS, Message, Turns
 from vision_core.clock import seconds_between
-from vision_core.scheduling.metrics import Gauge
+from vision_core.scheduling.metrics import TaskMetrics
 from vision_core.scheduling.releases import Grid
 
 RATE_HZ = 15.0
@@ -33,7 +33,7 @@ USUAL = f"{PICTURE},{STATE}"
 class Live:
     """Has turns made and sends them to the pages that are open."""
 
-    def __init__(self, blackboard: Blackboard, gauge: Gauge) -> None:
+    def __init__(self, blackboard: Blackboard, gauge: TaskMetrics) -> None:
         self._blackboard = blackboard
         self._gauge = gauge
         self._turns = Turns(blackboard)

@@ -7,7 +7,7 @@ from pydantic_core import PydanticCustomError
 
 from app.web.blackboard import Readings
 from app.web.reports.base import Report
-from vision_core.rtdb.infos import Proposal, TaskInfo
+from vision_core.rtdb.infos import TaskInfo, TaskOverride
 from vision_core.rtdb.items import Timed
 from vision_core.scheduling.task import HIGHEST_PRIORITY
 
@@ -35,7 +35,7 @@ class Wish(Report):
         return data
 
     @staticmethod
-    def of(proposal: Proposal) -> "Wish":
+    def of(proposal: TaskOverride) -> "Wish":
         """A proposal, as it is told."""
         return Wish(enabled=proposal.enabled, period_ms=proposal.period_ms, priority=proposal.priority)
 

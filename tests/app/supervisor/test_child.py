@@ -22,7 +22,7 @@ def ended(one: Child, lived_s: float, at_s: float) -> float:
     now = round(at_s * NS_PER_S)
     process: Any = SimpleNamespace(returncode=-9, stdin=None, stdout=None)
     one.process, one.started = process, now - round(lived_s * NS_PER_S)
-    one.bury(now)
+    one.reap(now)
     return (one.due - now) / NS_PER_S
 
 
@@ -48,13 +48,13 @@ def test_a_minute_later_all_is_forgiven() -> None:
     assert one.state == "restarting"
 
 
-@pytest.mark.parametrize(("beaten", "watched", "expected"), [(5, 1, 5), (5, 7, 7), (0, 1, 4)])
+@pytest.mark.parametrize(("last_heartbeat", "watched", "expected"), [(5, 1, 5), (5, 7, 7), (0, 1, 4)])
 def test_a_silence_begins_with_the_beat_the_start_or_when_somebody_watched(
-    beaten: int, watched: int, expected: int
+    last_heartbeat: int, watched: int, expected: int
 ) -> None:
     one = child()
     process: Any = SimpleNamespace(pid=1)
-    one.process, one.started, one.beaten, one.patience_s = process, 4, beaten, PLAN.heartbeat_s
+    one.process, one.started, one.last_heartbeat, one.patience_s = process, 4, last_heartbeat, PLAN.heartbeat_s
     assert one.overdue_at(watched) == expected + round(PLAN.heartbeat_s * NS_PER_S)
     one.killed = True
     assert one.overdue_at(watched) is None

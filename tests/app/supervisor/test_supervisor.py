@@ -285,7 +285,7 @@ def test_what_the_service_writes_can_be_looked_at_from_outside() -> None:
         table = started.running("one")
         attached = attach_to(started.control)
         assert attached.pid == started.process.pid
-        beats = attached.store.reader("beat/one")
+        beats = attached.store.reader("heartbeat/one")
         before = beats.sequence
         started.until(lambda _table: beats.sequence > before)
         reading = attached.store.reader("processes").read(MonotonicClock().now())

@@ -35,23 +35,23 @@ def until_in(pid: int, state: str) -> None:
 
 def test_who_sleeps_on_hangs_and_who_sleeps_for_a_moment_does_not(sleeper: int) -> None:
     silence = silence_of(sleeper, 0)
-    assert not silence.hangs(sleeper, SOON, MAX_S)
-    assert silence.hangs(sleeper, LATER, MAX_S)
+    assert not silence.is_hung(sleeper, SOON, MAX_S)
+    assert silence.is_hung(sleeper, LATER, MAX_S)
 
 
 def test_who_is_stopped_hangs_at_once(sleeper: int) -> None:
     os.kill(sleeper, signal.SIGSTOP)
     until_in(sleeper, "T")
-    assert silence_of(sleeper, 0).hangs(sleeper, SOON, MAX_S)
+    assert silence_of(sleeper, 0).is_hung(sleeper, SOON, MAX_S)
 
 
 def test_who_computes_hangs_when_it_has_had_its_time_of_the_processor() -> None:
     with subprocess.Popen([sys.executable, "-c", BUSY]) as process:
         until_in(process.pid, "R")
         silence = silence_of(process.pid, 0)
-        assert not silence.hangs(process.pid, 100 * LATER, MAX_S + PATIENCE_S)
+        assert not silence.is_hung(process.pid, 100 * LATER, MAX_S + PATIENCE_S)
         deadline = time.monotonic() + PATIENCE_S
-        while not silence.hangs(process.pid, SOON, MAX_S):
+        while not silence.is_hung(process.pid, SOON, MAX_S):
             assert time.monotonic() < deadline
             time.sleep(0.01)
         process.kill()

@@ -207,7 +207,7 @@ def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
 
 
 def test_heartbeat(http: httpx.Client, service: FakeService) -> None:
-    beats, reader = service.store.reader("beat/web"), records.task("web").reader(service.store)
+    beats, reader = service.store.reader("heartbeat/web"), records.task("web").reader(service.store)
     first, told = beats.sequence, reader.sequence
     wait_for(lambda: reader.sequence >= told + 2)
     assert beats.sequence >= first + 2 * (reader.sequence - told), "it beats more often than it tells"

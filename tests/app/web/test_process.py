@@ -14,7 +14,7 @@ from websockets.sync.client import connect
 
 from tests.app.fake_service import FakeService, wait_for
 from vision_core.rtdb import records
-from vision_core.scheduling.attachment import VARIABLE, HandDown
+from vision_core.scheduling.attachment import VARIABLE, ChildResources
 
 pytestmark = pytest.mark.slow
 
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow
 @contextmanager
 def web_process(service: FakeService, listener: socket.socket) -> Iterator[subprocess.Popen[bytes]]:
     """``python -m app.web.process`` on a database and a socket."""
-    handed = HandDown(
+    handed = ChildResources(
         process="web",
         supervisor=os.getpid(),
         boot=service.boot,

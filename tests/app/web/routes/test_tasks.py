@@ -9,7 +9,7 @@ from app.web.problems import MEDIA_TYPE
 from tests.app.fake_service import FakeService, PageServer, Scene, wait_for
 from tests.app.fake_tasks import Condition
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import Proposal, ProposedSettings
+from vision_core.rtdb.infos import ProposedSettings, TaskOverride
 
 NOTHING = {"enabled": None, "period_ms": None, "priority": None}
 TASKS = "/api/v1/tasks"
@@ -40,7 +40,7 @@ def http(server: PageServer) -> Iterator[httpx.Client]:
             client.delete(f"{TASKS}/{task['name']}")
 
 
-def proposed(service: FakeService) -> dict[str, Proposal]:
+def proposed(service: FakeService) -> dict[str, TaskOverride]:
     """What the service's processes read."""
     return records.PROPOSED.reader(service.store).value(service.clock.now()).tasks
 
@@ -79,7 +79,7 @@ def test_a_change_is_written_down_and_tells_how_to_undo_it(http: httpx.Client, s
     off = http.patch(f"{TASKS}/obstacles", json={"enabled": False, "priority": 0}).json()
     assert off["before"] == NOTHING | {"period_ms": 250.0}
     assert off["task"]["proposed"] == {"enabled": False, "period_ms": 250.0, "priority": 0}, "others stay"
-    assert proposed(service) == {"obstacles": Proposal(enabled=False, period_ms=250.0, priority=0)}
+    assert proposed(service) == {"obstacles": TaskOverride(enabled=False, period_ms=250.0, priority=0)}
     wait_for(lambda: task_of(http, "obstacles")["enabled"] is False)
     undone = http.patch(f"{TASKS}/obstacles", json=off["before"]).json()
     assert undone["task"]["proposed"] == off["before"]
@@ -114,7 +114,7 @@ def test_a_web_process_that_was_started_again_goes_on(http: httpx.Client, servic
         assert client.patch(f"{TASKS}/obstacles", json={"enabled": False}).status_code == 200
         assert client.delete(f"{TASKS}/obstacles").status_code == 200
     second.stop()
-    assert proposed(service) == {"lines": Proposal(period_ms=500.0)}
+    assert proposed(service) == {"lines": TaskOverride(period_ms=500.0)}
 
 
 @pytest.mark.parametrize(
@@ -198,7 +198,7 @@ def test_changes_come_as_json_and_in_few_words(http: httpx.Client) -> None:
 
 def test_what_the_record_holds_at_the_start_is_kept() -> None:
     own = FakeService()
-    own.put(records.PROPOSED, ProposedSettings({"serve": Proposal(priority=30)}))
+    own.put(records.PROPOSED, ProposedSettings({"serve": TaskOverride(priority=30)}))
     server = PageServer(own)
     server.start()
     with httpx.Client(base_url=f"http://{server.address}") as client:
