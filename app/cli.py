@@ -98,6 +98,7 @@ def config_show(venue: Venue = None, config: ConfigFile = None) -> None:
 @config_app.command("validate")
 def config_validate(venue: Venue = None, config: ConfigFile = None) -> None:
     """Say whether settings are in order; exit status 2 when they are not."""
+    from vision_core.models.camera_setup import CameraSetup
     from vision_core.startup.preflight import check_tasks
     from vision_core.tasks.table import check_table
     from vision_core.venues.loader import layers_of, place_of, settings_from_layers
@@ -105,8 +106,9 @@ def config_validate(venue: Venue = None, config: ConfigFile = None) -> None:
     layers = layers_of(venue, config)
     settings = settings_from_layers(layers)
     check_table(settings, lambda key: place_of(key, layers))
-    check_tasks(settings)
-    typer.echo(f"in order: field {settings.field.name}, camera {settings.camera.width_px}x{settings.camera.height_px}")
+    camera = CameraSetup.from_settings(settings)
+    check_tasks(settings, camera)
+    typer.echo("in order: field {}, camera {}x{}".format(settings.field.name, *camera.size_px))
 
 
 def _summary(found: dict[str, Any]) -> str:

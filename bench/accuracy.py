@@ -20,6 +20,7 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
 from vision_core.clock import MonotonicClock
 from vision_core.geometry import wrap_angle
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
@@ -104,11 +105,11 @@ def score_settings(settings: Settings, frames: int) -> Score:
 def perceived(settings: Settings, frames: int) -> list[tuple[Truth, Sightings]]:
     """Truth and sightings of a number of frames."""
     clock = MonotonicClock()
-    source = open_source(settings, clock, paced=False)
+    source = open_source(settings, CameraSetup.from_settings(settings), clock, paced=False)
     assert isinstance(source, SyntheticCamera)
-    perception = Perception(settings)
+    perception = Perception(settings, CameraSetup.from_settings(settings))
     perception.warm_up()
-    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+    pixels = CameraSetup.from_settings(settings).black_image()
     pairs = []
     for number in range(1, frames + 1):
         grabbed = source.grab(pixels)

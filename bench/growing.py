@@ -36,7 +36,7 @@ from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.color.spaces import ycc_from_bgr
 from vision_core.geometry import Bytes, Floats
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import write_picture
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
@@ -124,10 +124,10 @@ def measure(settings: Settings, frames: int) -> Measured:
 
 def _film(settings: Settings, frames: int) -> Iterator[tuple[Bytes, Instant, Truth, bool]]:
     """Rendered frames with their truth; now and then the ball is covered with the carpet beside it."""
-    source = open_source(settings, MonotonicClock(), paced=False)
+    source = open_source(settings, CameraSetup.from_settings(settings), MonotonicClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
-    camera = camera_model_from(settings)
-    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+    camera = CameraSetup.from_settings(settings).model
+    pixels = CameraSetup.from_settings(settings).black_image()
     for number in range(frames):
         at = source.grab(pixels)
         ball = np.array([(source.truth.ball.x_m, source.truth.ball.y_m)])
@@ -149,7 +149,7 @@ def _carpet(settings: Settings, pixels: Bytes) -> Table:
     """The color of the field, from a grid of its points, as what surrounds a ball."""
     steps = np.linspace(-0.45, 0.45, 20)
     points = np.stack(np.meshgrid(steps * settings.field.length_m, steps * settings.field.width_m), axis=-1)
-    x, y = camera_model_from(settings).pixel_from_field(points.reshape(-1, 2)).round().astype(int).T
+    x, y = CameraSetup.from_settings(settings).model.pixel_from_field(points.reshape(-1, 2)).round().astype(int).T
     blue, green, red = np.median(pixels[y, x], axis=0).tolist()
     return color_of_seed((blue, green, red), *CARPET_TOLERANCES)
 
@@ -179,7 +179,7 @@ def _limits(settings: Settings, name: str) -> GrowingLimits:
     """Area limits of an object, as the camera sees it at the field's center."""
     is_ball = name in (BALL, SEED)
     radius, height = (settings.ball.radius_m,) * 2 if is_ball else (DOT_RADIUS_M, settings.robots.height_m)
-    scale = camera_model_from(settings).pixels_per_square_metre(np.zeros((1, 2)), height)[0]
+    scale = CameraSetup.from_settings(settings).model.pixels_per_square_metre(np.zeros((1, 2)), height)[0]
     area = math.pi * radius**2 * scale
     return GrowingLimits(int(settings.robots.min_area * area), math.ceil(settings.robots.max_area * area))
 
@@ -187,7 +187,7 @@ def _limits(settings: Settings, name: str) -> GrowingLimits:
 def _dots_px(settings: Settings, truth: Truth) -> Floats:
     """Where the robots' center dots are, shape (n, 2)."""
     places = np.array([(robot.x_m, robot.y_m) for robot in truth.robots])
-    return camera_model_from(settings).pixel_from_field(places, settings.robots.height_m)
+    return CameraSetup.from_settings(settings).model.pixel_from_field(places, settings.robots.height_m)
 
 
 def _grow(
@@ -260,7 +260,9 @@ def _alike(one: Place, other: Place, *, by_pixel: bool) -> bool:
 def _count_own(measured: Measured, settings: Settings, truth: Truth, trackers: dict[str, GrowingTracker]) -> None:
     for robot, place in zip(truth.robots, _dots_px(settings, truth), strict=True):
         tracker = trackers[f"{robot.team} {robot.id}"]
-        scale = camera_model_from(settings).pixels_per_metre((robot.x_m, robot.y_m), settings.robots.height_m)
+        scale = CameraSetup.from_settings(settings).model.pixels_per_metre(
+            (robot.x_m, robot.y_m), settings.robots.height_m
+        )
         measured.own += math.dist(tracker.last_px, place) < DOT_RADIUS_M * scale
         measured.dots += 1
 

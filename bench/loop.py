@@ -24,6 +24,7 @@ from vision_core.blobs.run_lengths import Segmenter
 from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.net.batch import Lines
 from vision_core.net.udp import SessionSocket
 from vision_core.pipeline.perception import Perception
@@ -71,7 +72,7 @@ class Loop:
     def __init__(self, settings: Settings, frames: list[Bytes], stack: contextlib.ExitStack) -> None:
         self.settings, self.frames = settings, frames
         self._clock = MonotonicClock()
-        self.perception = Perception(settings)
+        self.perception = Perception(settings, CameraSetup.from_settings(settings))
         self._tracker = Tracker(settings.tracks, settings.robots)
         self._messages = Messages(settings, Instant(0))
         numbers = range(1, settings.match.numbers + 1)
@@ -116,10 +117,10 @@ class Loop:
 def _loop(size: str, robots: int) -> Iterator[Loop]:
     per_team = TEAMS[robots]
     settings = settings_of(size, {"synthetic.robots_per_team": per_team, "match.numbers": per_team})
-    source = open_source(settings, ManualClock(), paced=False)
+    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
     frames = []
     for _ in range(FRAMES[size]):
-        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+        pixels = CameraSetup.from_settings(settings).black_image()
         source.grab(pixels)
         frames.append(pixels)
     source.close()

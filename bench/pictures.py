@@ -3,12 +3,11 @@
 import time
 from pathlib import Path
 
-import numpy as np
-
 from bench import frame_path as way
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import write_picture
 from vision_core.net.control import Attached
 from vision_core.settings.schema import Settings
@@ -24,10 +23,10 @@ def match(rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM) -> tuple[Setti
     """Settings of a match in which all robots may connect, and frames of it as a camera of a rate sees them."""
     shown = {"synthetic.robots_per_team": robots_per_team, "camera.rate_hz": rate_hz}
     settings = load_settings(options=shown | {"match.numbers": ROBOTS_PER_TEAM})
-    source = open_source(settings, ManualClock(), paced=False)
+    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
     frames = []
     for _ in range(FRAMES):
-        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+        pixels = CameraSetup.from_settings(settings).black_image()
         source.grab(pixels)
         frames.append(pixels)
     source.close()

@@ -27,7 +27,7 @@ from vision_core.color.lookup_table import compile_color_table
 from vision_core.color.prefilter import candidate_test
 from vision_core.geometry import Bytes
 from vision_core.models.camera import CameraModel
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.prefilter import Candidates
@@ -85,12 +85,12 @@ def run() -> list[Row]:
 
 
 def _scene(settings: Settings) -> Scene:
-    camera = camera_model_from(settings)
-    source = open_source(settings, MonotonicClock(), paced=False)
+    camera = CameraSetup.from_settings(settings).model
+    source = open_source(settings, CameraSetup.from_settings(settings), MonotonicClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
     frames, windows = [], []
     for _ in range(FRAMES):
-        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+        pixels = CameraSetup.from_settings(settings).black_image()
         source.grab(pixels)
         frames.append(pixels)
         windows.append(_windows(source.truth, camera, settings))

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from vision_core.clock import Instant, ManualClock
 from vision_core.evaluation.score import evaluate, total
 from vision_core.evaluation.stills import detect_files
 from vision_core.evaluation.truth_files import load_truth
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import open_video
 from vision_core.pipeline.perception import Perception
 from vision_core.types.image import ImageFrame
@@ -91,8 +91,9 @@ def test_agh_b_every_robot_and_most_ids(real_pictures: Path) -> None:
 
 def test_video_follows_the_driven_robot(real_pictures: Path) -> None:
     settings = load_settings("vsss-video")
-    perception, video = Perception(settings), open_video(real_pictures / "vsss-video" / "robot_move.mp4")
-    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+    camera = CameraSetup.from_settings(settings)
+    perception, video = Perception(settings, camera), open_video(real_pictures / "vsss-video" / "robot_move.mp4")
+    pixels = camera.black_image()
     looks = 0
     for number in range(1, 1 + 20 * EVERY):
         assert video.read(pixels)

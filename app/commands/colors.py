@@ -14,6 +14,7 @@ from vision_core.errors import SettingsError, SourceError
 
 if TYPE_CHECKING:
     from vision_core.geometry import Bytes, Floats
+    from vision_core.models.camera_setup import CameraSetup
     from vision_core.settings.schema import Settings
 
 colors_app = typer.Typer(no_args_is_help=True, help="Measure colors and light in pictures.")
@@ -81,14 +82,14 @@ def light(
 ) -> None:
     """Measure the light: what colors.light.reference_bgr should be, and the gains that pictures would get."""
     from vision_core.color.light import field_samples, light_of, reference_of
-    from vision_core.models.from_settings import camera_model_from
+    from vision_core.models.camera_setup import CameraSetup
     from vision_core.venues.loader import load_settings
 
     settings = load_settings(venue, config)
-    size, wanted = (settings.camera.width_px, settings.camera.height_px), settings.colors.light
-    samples = field_samples(camera_model_from(settings), settings.field, size, wanted.margin_m)
+    camera, wanted = CameraSetup.from_settings(settings), settings.colors.light
+    samples = field_samples(camera.model, settings.field, camera.size_px, wanted.margin_m)
     for picture in pictures:
-        pixels = _sized_picture(picture, settings)
+        pixels = _sized_picture(picture, camera)
         found, _ = reference_of(pixels, samples, wanted.band)
         over = ", ".join(f"{level - dark:.1f}" for level, dark in zip(found, wanted.black_bgr, strict=True))
         judged = light_of(pixels, samples, wanted)
@@ -122,13 +123,12 @@ def color_at(pixels: "Bytes", place: tuple[int, int], radius: int, picture: Path
     return median
 
 
-def _sized_picture(picture: Path, settings: "Settings") -> "Bytes":
+def _sized_picture(picture: Path, camera: "CameraSetup") -> "Bytes":
     from vision_core.native.opencv import read_picture
 
     pixels = read_picture(picture)
-    camera = settings.camera
-    if pixels.shape[:2] != (camera.height_px, camera.width_px):
-        accepted = f"{camera.width_px}x{camera.height_px} (camera.width_px, camera.height_px of the venue)"
+    if pixels.shape != camera.shape:
+        accepted = f"{camera.size_px[0]}x{camera.size_px[1]} (camera.width_px, camera.height_px of the venue)"
         raise SourceError(f"picture {picture}", found=f"{pixels.shape[1]}x{pixels.shape[0]} px", accepted=accepted)
     return pixels
 
@@ -137,10 +137,11 @@ def _lit_picture(picture: Path, settings: "Settings") -> "Bytes":
     """The picture as perception sees it. A light that cannot be judged is told on stderr."""
     from vision_core.clock import Instant
     from vision_core.color.light import Lighting
-    from vision_core.models.from_settings import camera_model_from
+    from vision_core.models.camera_setup import CameraSetup
 
-    lighting = Lighting(settings, camera_model_from(settings))
-    pixels = lighting.lit(_sized_picture(picture, settings), Instant(0))
+    camera = CameraSetup.from_settings(settings)
+    lighting = Lighting(settings, camera)
+    pixels = lighting.lit(_sized_picture(picture, camera), Instant(0))
     if lighting.light.reason:
         typer.echo(lighting.light.reason, err=True)
     return pixels

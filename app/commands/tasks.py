@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from app.commands.options import ConfigFile, Venue
+from vision_core.models.camera_setup import CameraSetup
 
 if TYPE_CHECKING:
     from vision_core.scheduling.task import Task
@@ -26,7 +27,7 @@ def tasks(
 
     layers = layers_of(venue, config)
     settings = settings_from_layers(layers)
-    table, rate_hz = task_table(settings), settings.camera.rate_hz
+    table, rate_hz = task_table(settings), CameraSetup.from_settings(settings).rate_hz
     out = Console(highlight=False, width=None if sys.stdout.isatty() else 200)
     if not check:
         out.print(_drawn(table))

@@ -13,8 +13,8 @@ from vision_core.capture.synthetic.floor import COLORS, NET_LEFT, NET_RIGHT
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import goal_line_x, painted_points
-from vision_core.models.from_settings import camera_model_from
 from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.pipeline.perception import Perception
 from vision_core.regions.boundary import BoundaryFinder
@@ -49,7 +49,7 @@ class ObstacleDetector:
     """Whatever stands on the carpet; nobody has told it which of these are robots."""
 
     def __init__(self, settings: Settings) -> None:
-        camera, size = camera_model_from(settings), _size(settings)
+        camera, size = CameraSetup.from_settings(settings).model, _size(settings)
         self._finder = ObstacleFinder(
             settings.field, settings.robots, settings.ball.radius_m, camera, size, settings.obstacles
         )
@@ -63,7 +63,7 @@ class BoundaryDetector:
     """Where the carpet ends."""
 
     def __init__(self, settings: Settings) -> None:
-        self._finder = BoundaryFinder(settings.field, camera_model_from(settings), _size(settings))
+        self._finder = BoundaryFinder(settings.field, CameraSetup.from_settings(settings).model, _size(settings))
 
     def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
         """Points of the boundary."""
@@ -116,7 +116,7 @@ class GoalDetector:
         return _followed(self._tracker, pixels, at)
 
     def _follower(self, pixels: Bytes) -> GrowingTracker:
-        settings, camera = self._settings, camera_model_from(self._settings)
+        settings, camera = self._settings, CameraSetup.from_settings(self._settings).model
         goal = settings.field.goal
         back, half = self._side * (goal_line_x(settings.field) + goal.depth_m), goal.width_m / 2.0
         feet = camera.pixel_from_field(np.array([(back, -half), (back, half)]))
@@ -139,7 +139,7 @@ class WholePictureDetector:
 
     def __init__(self, settings: Settings) -> None:
         self._camera, self._clock = settings.camera.name, MonotonicClock()
-        self._perception = Perception(settings)
+        self._perception = Perception(settings, CameraSetup.from_settings(settings))
 
     def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
         """The robots' and the balls' centers."""
@@ -153,7 +153,7 @@ class LineDetector:
 
     def __init__(self, settings: Settings, paths_m: list[Floats], least: float) -> None:
         """paths_m: points along each line, shape (n, 2); least: share of the lines that must be there."""
-        camera, size = camera_model_from(settings), _size(settings)
+        camera, size = CameraSetup.from_settings(settings).model, _size(settings)
         self._strips = [Strip(camera, path, normals(path), size) for path in paths_m]
         self._least = least
 
@@ -169,7 +169,7 @@ class CornerDetector:
 
     def __init__(self, settings: Settings, side: float) -> None:
         """side: -1 for the end at negative x, 1 for the other."""
-        field, camera, size = settings.field, camera_model_from(settings), _size(settings)
+        field, camera, size = settings.field, CameraSetup.from_settings(settings).model, _size(settings)
         half = np.array([field.length_m, field.width_m]) / 2.0 - field.line_width_m
         steps = np.linspace(*ARM_M, POINTS_PER_LINE)[:, None]
         self._corners = []
@@ -234,7 +234,7 @@ def _blue_side(settings: Settings) -> float:
 
 def _square_scale(settings: Settings, place_m: tuple[float, float], height_m: float) -> float:
     """Pixels in a square metre."""
-    return float(camera_model_from(settings).pixels_per_square_metre(np.array([place_m]), height_m)[0])
+    return float(CameraSetup.from_settings(settings).model.pixels_per_square_metre(np.array([place_m]), height_m)[0])
 
 
 def _polygon_area(points: Floats) -> float:
@@ -251,7 +251,7 @@ def _carpet(settings: Settings, pixels: Bytes) -> Table:
     """The color of the field, from a grid of its points, as what surrounds a thing."""
     steps = np.linspace(-0.45, 0.45, 20)
     points = np.stack(np.meshgrid(steps * settings.field.length_m, steps * settings.field.width_m), axis=-1)
-    places = camera_model_from(settings).pixel_from_field(points.reshape(-1, 2)).round().astype(int)
+    places = CameraSetup.from_settings(settings).model.pixel_from_field(points.reshape(-1, 2)).round().astype(int)
     x, y = np.clip(places, 0, np.array(_size(settings)) - 1).T
     blue, green, red = np.median(pixels[y, x], axis=0).tolist()
     return color_of_seed((blue, green, red), *CARPET_TOLERANCES)

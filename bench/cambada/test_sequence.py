@@ -16,7 +16,7 @@ from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.geometry import Bytes
 from vision_core.models.camera import PinholeCamera
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import write_picture
 from vision_core.settings.schema import Settings
 
@@ -42,12 +42,12 @@ class Shot:
 
 def shots(settings: Settings, frames: int = FRAMES) -> Iterator[Shot]:
     """Render the film, frame after frame. The camera of the settings must be a lens."""
-    world, camera = World(settings), camera_model_from(settings)
-    assert isinstance(camera, PinholeCamera), f"camera.model = {settings.camera.model}, not pinhole"
+    world, camera = World(settings), CameraSetup.from_settings(settings)
+    assert isinstance(camera.model, PinholeCamera), f"camera.model = {camera.settings.model}, not pinhole"
     closed = msgspec.structs.replace(settings.field, goal=msgspec.structs.replace(settings.field.goal, depth_m=0.0))
     with_goals = Renderer(settings, camera, world.robots_worn)
     without = Renderer(msgspec.structs.replace(settings, field=closed), camera, world.robots_worn)
-    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+    pixels = camera.black_image()
     for number in range(frames):
         world.advance(1.0 / RATE_HZ)
         ball, goals = (number % every not in gone for every, gone in (BALL_GONE, GOALS_GONE))

@@ -3,7 +3,8 @@
 import numpy as np
 
 from vision_core.geometry import Bytes, Floats, rotation
-from vision_core.models.from_settings import camera_model_from, robots_of
+from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.from_settings import robots_of
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
@@ -19,7 +20,7 @@ class FakePicture:
     def __init__(self, settings: Settings, things: list[tuple[float, float, float]]) -> None:
         """things: x, y and radius of what stands there all the time [m]."""
         self._settings = settings
-        self._camera = camera_model_from(settings)
+        self._camera = CameraSetup.from_settings(settings).model
         self._places: dict[float, Floats] = {}
         """By height [m]: what every pixel sees in that plane."""
         shape = (settings.camera.height_px, settings.camera.width_px, 3)

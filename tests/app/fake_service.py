@@ -28,7 +28,8 @@ from tests.app.fake_tasks import (
     timing_of,
 )
 from vision_core.clock import Instant, MonotonicClock, after
-from vision_core.models.from_settings import camera_model_from, robots_of
+from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.from_settings import robots_of
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, SourceInfo, TaskOverride
@@ -90,7 +91,7 @@ class FakeService:
         self.boot = self.clock.now()
         self._proposed = self.store.reader(records.PROPOSED.spec.name)
         self._writers = {spec.name: self.store.writer(spec.name) for spec in self.specs}
-        self._camera = camera_model_from(self.settings)
+        self._camera = CameraSetup.from_settings(self.settings).model
         self._picture = FakePicture(self.settings, self._things())
         self._messages = Messages(self.settings, self.boot)
         self._messages.write(WorldTable(), ())  # compiled now, so that nobody waits for it later

@@ -23,8 +23,7 @@ from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock
 from vision_core.geometry import Bytes, Floats
-from vision_core.models.camera import PinholeCamera
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.store import create_block
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle
@@ -33,7 +32,7 @@ from vision_core.tasks.table import check_table, record_specs, task_table
 from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
 
 SETTINGS = load_settings(options={"camera.rate_hz": 20.0})
-CAMERA = camera_model_from(SETTINGS)
+CAMERA = CameraSetup.from_settings(SETTINGS).model
 SIZE = SETTINGS.camera.width_px, SETTINGS.camera.height_px
 NEAR_PX = SETTINGS.robots.radius_m * CAMERA.pixels_per_metre((0.0, 0.0))
 """A robot's radius in the middle of the picture."""
@@ -74,11 +73,10 @@ def recall(name: str, *, among: list[Look]) -> float:
 def image_of(options: dict[str, Any], *, ball: bool = True) -> Bytes:
     """A frame of another venue, through the same camera."""
     settings = load_settings(options=options)
-    camera, world = camera_model_from(settings), World(settings)
-    assert isinstance(camera, PinholeCamera)
+    camera, world = CameraSetup.from_settings(settings), World(settings)
     scene = world.snapshot()
     scene.ball[:2] = (0.3, 0.2) if ball else (3.0, 3.0)
-    pixels = np.empty((SIZE[1], SIZE[0], 3), dtype=np.uint8)
+    pixels = camera.black_image()
     Renderer(settings, camera, world.robots_worn).draw(pixels, scene)
     return pixels
 
@@ -251,7 +249,7 @@ def test_a_task_writes_what_it_finds_in_the_newest_image(tmp_path: Path) -> None
     specs = record_specs(settings, [task], ["bgoal"])
     block = create_block(specs)
     attachment = Attachment(ChildResources("bgoal", os.getpid(), 0, block, specs, None, {}, {}))
-    handle, clock = Handle(task, attachment, settings), MonotonicClock()
+    handle, clock = Handle(task, attachment, settings, CameraSetup.from_settings(settings)), MonotonicClock()
     step = start(handle)
     release = Release(clock.now(), clock.now())
     assert step(release) is False, "there is no image yet"

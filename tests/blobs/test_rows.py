@@ -20,6 +20,7 @@ from vision_core.clock import MonotonicClock
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.color.prefilter import candidate_test
 from vision_core.geometry import Bytes, frozen
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import BlobSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.prefilter import FORMS, Candidates
@@ -197,7 +198,7 @@ def test_rendered_frames() -> None:
     chosen = load_settings()
     table = compile_color_table(chosen.colors)
     test = candidate_test(table)
-    source = open_source(chosen, MonotonicClock(), paced=False)
+    source = open_source(chosen, CameraSetup.from_settings(chosen), MonotonicClock(), paced=False)
     pixels = np.empty((chosen.camera.height_px, chosen.camera.width_px, 3), dtype=np.uint8)
     for _ in range(3):
         source.grab(pixels)

@@ -8,6 +8,7 @@ from vision_core.capture.camera import driver_instant
 from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant, ManualClock
 from vision_core.errors import SourceError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import Video, write_yuyv
 from vision_core.venues.loader import load_settings
 
@@ -35,7 +36,7 @@ def test_a_stamp_rounded_past_now_is_now() -> None:
 def test_an_absent_camera_is_named() -> None:
     settings = load_settings(options={"source.uri": "camera:/dev/video-that-is-not-there"})
     with pytest.raises(SourceError, match="video-that-is-not-there") as caught:
-        open_source(settings, ManualClock())
+        open_source(settings, CameraSetup.from_settings(settings), ManualClock())
     assert caught.value.found
     assert caught.value.accepted
 

@@ -14,6 +14,7 @@ from vision_core.capture.source import Source, open_source
 from vision_core.clock import NS_PER_S, ManualClock
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import write_picture
 from vision_core.venues.loader import load_settings
 
@@ -22,7 +23,8 @@ WIDTH, HEIGHT = 96, 64
 
 def opened(path: Path) -> Source:
     options = {"source.uri": f"file:{path}", "camera.width_px": WIDTH, "camera.height_px": HEIGHT}
-    return open_source(load_settings(options=options), ManualClock(), paced=False)
+    settings = load_settings(options=options)
+    return open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
 
 
 def plain(level: int, width: int = WIDTH) -> Bytes:
@@ -81,7 +83,9 @@ def test_a_late_reader_misses_frames_of_a_video(tmp_path: Path) -> None:
     options = {
         "source.uri": f"file:{tmp_path / 'play.avi'}", "camera.width_px": WIDTH, "camera.height_px": HEIGHT,
     }  # fmt: skip
-    source = open_source(load_settings(options=options), clock)
+    source = open_source(
+        load_settings(options=options), CameraSetup.from_settings(load_settings(options=options)), clock
+    )
     assert levels(source, 1) == pytest.approx([40], abs=2)
     clock.advance(0.2)
     assert levels(source, 1) == pytest.approx([120], abs=2)

@@ -21,13 +21,14 @@ from vision_core.color.light import (
     sums_by_level,
 )
 from vision_core.geometry import Bytes
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import LightSettings
 from vision_core.types.colors import Light
 from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
-CAMERA = camera_model_from(SETTINGS)
+SETUP = CameraSetup.from_settings(SETTINGS)
+CAMERA = SETUP.model
 SIZE = SETTINGS.camera.width_px, SETTINGS.camera.height_px
 SAMPLES = field_samples(CAMERA, SETTINGS.field, SIZE, 0.0)
 CARPET = np.array([70.0, 120.0, 60.0])
@@ -53,7 +54,7 @@ def scene(gain: tuple[float, float, float] = (1.0, 1.0, 1.0), seed: int = 1) -> 
 
 def lighting(light: LightSettings = ADAPT) -> Lighting:
     colors = msgspec.structs.replace(SETTINGS.colors, light=light)
-    return Lighting(msgspec.structs.replace(SETTINGS, colors=colors), CAMERA)
+    return Lighting(msgspec.structs.replace(SETTINGS, colors=colors), SETUP)
 
 
 def test_samples_lie_on_the_field_and_in_the_picture() -> None:

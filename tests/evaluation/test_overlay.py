@@ -7,12 +7,12 @@ import pytest
 from vision_core.clock import Instant
 from vision_core.evaluation.overlay import TEAM_COLORS, draw_sightings
 from vision_core.geometry import Bytes
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
-CAMERA = camera_model_from(SETTINGS)
+CAMERA = CameraSetup.from_settings(SETTINGS).model
 HEIGHT_M = SETTINGS.robots.height_m
 RADIUS_M = SETTINGS.robots.radius_m
 BARE = np.full((480, 640, 3), (50, 100, 50), dtype=np.uint8)

@@ -16,7 +16,7 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes, Floats
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import read_only
 from vision_core.objects.circle_fit import UNREFINED_SD, center_memory, refined_circle
 from vision_core.patterns.loader import load_pattern
@@ -105,9 +105,9 @@ def test_it_is_compiled_once_for_frames_and_drawings() -> None:
 
 def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
     """Errors of refined centers and of centroids, shape (n, 2), and deviations, shape (n,), of rendered dots [px]."""
-    source = open_source(options, ManualClock(), paced=False)
+    source = open_source(options, CameraSetup.from_settings(options), ManualClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
-    camera, table = camera_model_from(options), compile_color_table(options.colors)
+    camera, table = CameraSetup.from_settings(options).model, compile_color_table(options.colors)
     pattern = load_pattern(options.robots.pattern)
     slots = np.array([patch.circle_mm for patch in pattern.patches]) / 1000.0
     pixels = np.empty((options.camera.height_px, options.camera.width_px, 3), dtype=np.uint8)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from vision_core.geometry import Bytes
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.types.objects import BallSighting, RobotSighting, Team
 from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
-CAMERA = camera_model_from(SETTINGS)
+CAMERA = CameraSetup.from_settings(SETTINGS).model
 WIDTH, HEIGHT = SETTINGS.camera.width_px, SETTINGS.camera.height_px
 CARPET = (60.0, 110.0, 50.0)
 GRID_PX = np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=-1)

@@ -8,6 +8,7 @@ import pytest
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import shrink
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
@@ -31,7 +32,7 @@ CLASSES: dict[str, Any] = {
 def image() -> Bytes:
     """A picture of a match in which ball and robots are seen."""
     pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
-    source = open_source(SETTINGS, ManualClock(), paced=False)
+    source = open_source(SETTINGS, CameraSetup.from_settings(SETTINGS), ManualClock(), paced=False)
     for _ in range(10):
         source.grab(pixels)
     source.close()
@@ -39,7 +40,7 @@ def image() -> Bytes:
 
 
 def said(image: Bytes, settings: Settings = SETTINGS) -> tuple[str, ...]:
-    perception = Perception(settings)
+    perception = Perception(settings, CameraSetup.from_settings(settings))
     seen = perception.perceive(ImageFrame("main", 1, Instant(0), image), ManualClock()).record()
     return reasons_of(perception, seen)
 

@@ -12,20 +12,21 @@ from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import Instant, ManualClock
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import draw_circle
 from vision_core.pipeline.perception import Perception
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import MAX_BALLS, MAX_ROBOTS
 
+CAMERA = CameraSetup.from_settings(SETTINGS)
 CORNER = (420, 40)
 """Where in the frame the drawn piece lies: off axis, where parallax and distortion count [px]."""
 
 
 @pytest.fixture(scope="module")
 def perception() -> Perception:
-    perception = Perception(SETTINGS)
+    perception = Perception(SETTINGS, CAMERA)
     perception.warm_up()
     return perception
 
@@ -34,14 +35,14 @@ class CutCamera:
     """The default camera, its picture's origin moved to the corner of a piece."""
 
     def __init__(self) -> None:
-        self.whole = camera_model_from(SETTINGS)
+        self.whole = CAMERA.model
 
     def field_from_pixel(self, pixels: np.ndarray, height_m: float = 0.0) -> np.ndarray:
         return self.whole.field_from_pixel(pixels + CORNER, height_m)
 
 
 def frame_of(piece: Picture) -> ImageFrame:
-    size = (SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3)
+    size = CAMERA.shape
     pixels: Bytes = np.full(size, PAINTS["carpet"], dtype=np.uint8)
     x, y = CORNER
     pixels[y : y + piece.height, x : x + piece.width] = piece.as_bytes()
@@ -72,8 +73,8 @@ def test_an_empty_field_shows_nothing(perception: Perception) -> None:
 
 def test_overflow_is_told() -> None:
     blobs = msgspec.structs.replace(SETTINGS.blobs, max_runs=100)
-    perception = Perception(msgspec.structs.replace(SETTINGS, blobs=blobs))
-    size = (SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3)
+    perception = Perception(msgspec.structs.replace(SETTINGS, blobs=blobs), CAMERA)
+    size = CAMERA.shape
     flood = np.full(size, PAINTS["orange"], dtype=np.uint8)
     assert not perception.perceive(ImageFrame("main", 1, Instant(0), flood), ManualClock()).record().complete
 
@@ -82,16 +83,16 @@ def test_a_pattern_without_its_color_classes_is_refused() -> None:
     classes = {name: boxes for name, boxes in SETTINGS.colors.classes.items() if name != "pink"}
     colors = msgspec.structs.replace(SETTINGS.colors, classes=classes)
     with pytest.raises(SettingsError, match=r"colors; found: pink; accepted: .*green"):
-        Perception(msgspec.structs.replace(SETTINGS, colors=colors))
+        Perception(msgspec.structs.replace(SETTINGS, colors=colors), CAMERA)
 
 
 @pytest.mark.slow
 def test_windows_show_what_the_whole_frame_shows() -> None:
     """Frame after frame from windows and strip, against each frame judged alone."""
     clock = ManualClock()
-    camera = SyntheticCamera(SETTINGS, clock, paced=False)
-    pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
-    following, alone = Perception(SETTINGS), Perception(SETTINGS)
+    camera = SyntheticCamera(SETTINGS, CAMERA, clock, paced=False)
+    pixels = np.empty(CAMERA.shape, dtype=np.uint8)
+    following, alone = Perception(SETTINGS, CAMERA), Perception(SETTINGS, CAMERA)
     for number in range(1, 61):
         grabbed = camera.grab(pixels)
         by_windows = following.perceive(ImageFrame("main", number, grabbed, pixels), clock).record()
@@ -102,8 +103,8 @@ def test_windows_show_what_the_whole_frame_shows() -> None:
 @pytest.mark.slow
 def test_a_simulated_match_is_read_without_a_miss(perception: Perception) -> None:
     clock = ManualClock()
-    camera = SyntheticCamera(SETTINGS, clock, paced=False)
-    pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
+    camera = SyntheticCamera(SETTINGS, CAMERA, clock, paced=False)
+    pixels = np.empty(CAMERA.shape, dtype=np.uint8)
     for number in range(1, 41):
         seen = perception.perceive(ImageFrame("main", number, camera.grab(pixels), pixels), clock).record()
         truth = camera.truth

@@ -11,8 +11,8 @@ from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel, PinholeCamera
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
-from vision_core.models.from_settings import camera_model_from
 from vision_core.native.opencv import read_picture
 from vision_core.regions.boundary import RAYS, BoundaryFinder
 from vision_core.types.regions import FieldBoundary
@@ -142,8 +142,8 @@ def test_another_picture_is_refused() -> None:
 @pytest.mark.slow
 def test_the_synthetic_match() -> None:
     pixels = np.empty((SETTINGS.camera.height_px, SETTINGS.camera.width_px, 3), dtype=np.uint8)
-    source = open_source(SETTINGS, ManualClock(), paced=False)
-    finder = BoundaryFinder(SETTINGS.field, camera_model_from(SETTINGS), (640, 480))
+    source = open_source(SETTINGS, CameraSetup.from_settings(SETTINGS), ManualClock(), paced=False)
+    finder = BoundaryFinder(SETTINGS.field, CameraSetup.from_settings(SETTINGS).model, (640, 480))
     for _ in range(3):
         source.grab(pixels)
         boundary = finder.find(pixels)
@@ -159,7 +159,7 @@ def test_the_synthetic_match() -> None:
 def test_real_pictures(venue: str, most_px: float, real_pictures: Path) -> None:
     settings = load_settings(venue)
     size = (settings.camera.width_px, settings.camera.height_px)
-    finder = BoundaryFinder(settings.field, camera_model_from(settings), size)
+    finder = BoundaryFinder(settings.field, CameraSetup.from_settings(settings).model, size)
     files = [file for file in (real_pictures / venue).iterdir() if file.suffix in {".png", ".jpg"}]
     assert files
     for file in files:

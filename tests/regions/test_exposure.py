@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.regions.exposure import exposure_check, exposure_reasons, field_pixels
 from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
 SIZE = (SETTINGS.camera.width_px, SETTINGS.camera.height_px)
-POINTS = field_pixels(SETTINGS.field, camera_model_from(SETTINGS), SIZE)
+POINTS = field_pixels(SETTINGS.field, CameraSetup.from_settings(SETTINGS).model, SIZE)
 
 
 def picture(carpet: float, paint: float, painted: float = 0.02) -> np.ndarray:

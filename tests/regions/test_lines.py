@@ -8,7 +8,7 @@ from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera import PinholeCamera
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.regions.lines import line_check, line_reasons
 from vision_core.settings.schema import Settings
 from vision_core.types.regions import LineCheck
@@ -24,33 +24,33 @@ def settings() -> Settings:
 
 @pytest.fixture(scope="module")
 def image(settings: Settings) -> Bytes:
-    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
-    source = open_source(settings, ManualClock(), paced=False)
+    pixels = CameraSetup.from_settings(settings).black_image()
+    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
     source.grab(pixels)
     source.close()
     return pixels
 
 
 def test_the_right_field_matches(settings: Settings, image: Bytes) -> None:
-    assert line_reasons(image, settings.field, camera_model_from(settings)) == ()
+    assert line_reasons(image, settings.field, CameraSetup.from_settings(settings).model) == ()
 
 
 def test_another_field_does_not(settings: Settings, image: Bytes) -> None:
     shorter = msgspec.structs.replace(settings.field, length_m=2.2, width_m=1.8)
-    (reason,) = line_reasons(image, shorter, camera_model_from(settings))
+    (reason,) = line_reasons(image, shorter, CameraSetup.from_settings(settings).model)
     assert reason.startswith("only ")
     larger = load_settings(options={"field_preset": "ssl-division-b"}).field
-    (reason,) = line_reasons(image, larger, camera_model_from(settings))
+    (reason,) = line_reasons(image, larger, CameraSetup.from_settings(settings).model)
     assert "outside of the picture" in reason
 
 
 def test_a_field_without_lines_is_not_judged(settings: Settings, image: Bytes) -> None:
     plain = msgspec.structs.replace(settings.field, line_width_m=0.0)
-    assert line_reasons(image, plain, camera_model_from(settings)) == ()
+    assert line_reasons(image, plain, CameraSetup.from_settings(settings).model) == ()
 
 
 def test_numbers_of_the_right_field(settings: Settings, image: Bytes) -> None:
-    check = line_check(image, settings.field, camera_model_from(settings))
+    check = line_check(image, settings.field, CameraSetup.from_settings(settings).model)
     assert check.known == 12
     assert check.found >= 6
     assert check.samples is not None
@@ -62,7 +62,7 @@ def test_numbers_of_the_right_field(settings: Settings, image: Bytes) -> None:
 
 @pytest.mark.parametrize("turn_px", [0.5, 1.0, 2.0])
 def test_a_camera_that_was_bumped_shows_in_the_residual(settings: Settings, image: Bytes, turn_px: float) -> None:
-    right = camera_model_from(settings)
+    right = CameraSetup.from_settings(settings).model
     pinhole = settings.camera.pinhole
     center = (pinhole.center_px[0] + turn_px, pinhole.center_px[1] + turn_px)
     moved = PinholeCamera(pinhole.focal_px, center, pinhole.distortion, pinhole.position_m, pinhole.rotation_deg)
@@ -75,8 +75,8 @@ def test_a_camera_that_was_bumped_shows_in_the_residual(settings: Settings, imag
 
 def test_numbers_where_nothing_can_be_judged(settings: Settings, image: Bytes) -> None:
     plain = msgspec.structs.replace(settings.field, line_width_m=0.0)
-    assert line_check(image, plain, camera_model_from(settings)) == LineCheck(0, 0, None, None, 0.0)
+    assert line_check(image, plain, CameraSetup.from_settings(settings).model) == LineCheck(0, 0, None, None, 0.0)
     thin = msgspec.structs.replace(settings.field, line_width_m=0.002)
-    assert line_check(image, thin, camera_model_from(settings)).known == 0
-    nothing = line_check(np.full_like(image, 90), settings.field, camera_model_from(settings))
+    assert line_check(image, thin, CameraSetup.from_settings(settings).model).known == 0
+    nothing = line_check(np.full_like(image, 90), settings.field, CameraSetup.from_settings(settings).model)
     assert (nothing.found, nothing.samples, nothing.residual_px) == (0, 0.0, None)

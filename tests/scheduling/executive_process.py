@@ -11,6 +11,7 @@ from dataclasses import asdict
 from typing import Any
 
 from vision_core.clock import MonotonicClock
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProposedSettings, TaskOverride
 from vision_core.rtdb.items import packed
@@ -46,7 +47,7 @@ def main() -> None:
     order: list[str] = []
 
     def counting(task: Task) -> tuple[Handle, Any]:
-        handle = Handle(task, attachment, load_settings())
+        handle = Handle(task, attachment, load_settings(), CameraSetup.from_settings(load_settings()))
         told = handle.writer(SEEN) if task.name == "eyes" else None
 
         def step(_release: Release) -> bool:

@@ -9,6 +9,7 @@ import pytest
 
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import create_block
@@ -27,7 +28,7 @@ def handle() -> Iterator[Handle]:
     block, wake = create_block(SPECS), os.eventfd(0, os.EFD_NONBLOCK)
     resources = ChildResources("mine", os.getpid(), 0, block, SPECS, wake, {}, {})
     attachment = Attachment(resources)
-    yield Handle(TASK, attachment, load_settings())
+    yield Handle(TASK, attachment, load_settings(), CameraSetup.from_settings(load_settings()))
     attachment.store.close()
     os.close(block)
     os.close(wake)

@@ -10,6 +10,7 @@ import pytest
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock, MonotonicClock, after
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.store import create_block
@@ -46,7 +47,7 @@ class Watch:
         self._frames = self._attachment.store.writer(FRAMES.name)
         self._told = item.reader(self._attachment.store)
         self._clock = MonotonicClock()
-        self.step: Step = module.start(Handle(task, self._attachment, SETTINGS))
+        self.step: Step = module.start(Handle(task, self._attachment, SETTINGS, CameraSetup.from_settings(SETTINGS)))
 
     def show(self, pixels: Bytes, age_s: float = 0.0) -> Instant:
         """The camera's next image; when it was grabbed."""
@@ -67,7 +68,7 @@ class Watch:
 @pytest.fixture(scope="module")
 def image() -> Bytes:
     pixels = np.empty((CAMERA.height_px, CAMERA.width_px, 3), dtype=np.uint8)
-    source = open_source(SETTINGS, ManualClock(), paced=False)
+    source = open_source(SETTINGS, CameraSetup.from_settings(SETTINGS), ManualClock(), paced=False)
     source.grab(pixels)
     source.close()
     return pixels

@@ -7,6 +7,7 @@ import msgspec
 import pytest
 
 from vision_core.errors import SettingsError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.startup.preflight import check_tasks, main
 from vision_core.venues.loader import load_settings
 
@@ -42,4 +43,4 @@ def test_the_defaults_are_in_order(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 def test_a_palette_without_the_markers_colors_is_refused() -> None:
     settings = load_settings(options={"colors.classes": {"orange": [{"hue_deg": [4.0, 34.0]}]}})
     with pytest.raises(SettingsError, match="colors; found"):
-        check_tasks(settings)
+        check_tasks(settings, CameraSetup.from_settings(settings))

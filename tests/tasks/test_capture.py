@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from vision_core.clock import Instant, MonotonicClock
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import write_picture
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import FrameDone, FrameRequest
@@ -47,7 +48,9 @@ class Stage:
         attachment = Attachment(resources)
         self.attachments.append(attachment)
         start = {"capture": capture.start, "source": source.start}[name]
-        self.handles.append(Handle(self.table[name], attachment, self.settings))
+        self.handles.append(
+            Handle(self.table[name], attachment, self.settings, CameraSetup.from_settings(self.settings))
+        )
         return start(self.handles[-1])
 
     def run(self, step: Step) -> Release:

@@ -5,14 +5,12 @@ documentation of OpenCV. A camera that stops delivering is noticed when OpenCV g
 the age of the last image tells so much earlier.
 """
 
-import numpy as np
-
 from vision_core.capture.playback import check_size
 from vision_core.clock import NS_PER_MS, NS_PER_S, Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import open_camera
-from vision_core.settings.schema import CameraSettings
 
 OLDEST_STAMP_NS = NS_PER_S
 STAMP_ROUNDING_NS = NS_PER_MS
@@ -26,16 +24,16 @@ class DeviceCamera:
 
     repeats = False
 
-    def __init__(self, device: str, camera: CameraSettings, clock: Clock) -> None:
-        self._size_px = camera.width_px, camera.height_px
+    def __init__(self, device: str, camera: CameraSetup, clock: Clock) -> None:
+        self._size_px = camera.size_px
         self._device = device
         self._clock = clock
         self._last = clock.now()
-        self._video = open_camera(device, camera.width_px, camera.height_px, camera.rate_hz)
+        self._video = open_camera(device, *camera.size_px, camera.rate_hz)
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         try:
             check_size(f"camera {device}", (self._video.width_px, self._video.height_px), self._size_px)
-            self.grab(np.empty((camera.height_px, camera.width_px, 3), dtype=np.uint8))
+            self.grab(camera.black_image())
         except SourceError:
             self.close()
             raise

@@ -9,8 +9,8 @@ import numpy as np
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import Video, open_video, read_picture
-from vision_core.settings.schema import CameraSettings
 from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
 MAX_KEPT = 512 * 1024 * 1024
@@ -23,10 +23,10 @@ class Pictures:
 
     repeats = True
 
-    def __init__(self, paths: Sequence[Path], description: str, camera: CameraSettings, keeper: Keeper) -> None:
+    def __init__(self, paths: Sequence[Path], description: str, camera: CameraSetup, keeper: Keeper) -> None:
         self.description = description
         self.rate_hz = camera.rate_hz
-        self._size_px = camera.width_px, camera.height_px
+        self._size_px = camera.size_px
         self._paths = paths
         self.keeper: Keeper = keeper
         self._next = 0
@@ -77,10 +77,10 @@ class VideoPlayback:
 
     repeats = True
 
-    def __init__(self, path: Path, camera: CameraSettings, clock: Clock, *, paced: bool) -> None:
+    def __init__(self, path: Path, camera: CameraSetup, clock: Clock, *, paced: bool) -> None:
         self._path = path
         self._video = self._open()
-        check_size(f"video {path}", (self._video.width_px, self._video.height_px), (camera.width_px, camera.height_px))
+        check_size(f"video {path}", (self._video.width_px, self._video.height_px), camera.size_px)
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         self.description = f"video {path.name} at {self.rate_hz:g} Hz, looped"
         self.keeper: Keeper = rate_keeper(self.rate_hz, clock, paced=paced)
@@ -115,7 +115,7 @@ class VideoPlayback:
         self._video = self._open()
 
 
-def open_file(path: Path, camera: CameraSettings, clock: Clock, *, paced: bool) -> Pictures | VideoPlayback:
+def open_file(path: Path, camera: CameraSetup, clock: Clock, *, paced: bool) -> Pictures | VideoPlayback:
     """A picture, a folder or a video. Raises SourceError when there is none, or its size is not the camera's."""
     accepted = "a picture, a folder or a video"
     try:

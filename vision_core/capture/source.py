@@ -6,6 +6,7 @@ from typing import Protocol
 from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 from vision_core.timing.rate_keeper import Keeper
 
@@ -52,7 +53,7 @@ def is_device(settings: Settings) -> bool:
     return kind == DEVICE and bool(device)
 
 
-def open_source(settings: Settings, clock: Clock, *, paced: bool = True) -> Source:
+def open_source(settings: Settings, camera: CameraSetup, clock: Clock, *, paced: bool = True) -> Source:
     """The source that ``source.uri`` names.
 
     paced: in real time; otherwise files and the simulated camera deliver as fast as they are asked, at the
@@ -62,11 +63,11 @@ def open_source(settings: Settings, clock: Clock, *, paced: bool = True) -> Sour
     if is_device(settings):
         from vision_core.capture.camera import DeviceCamera
 
-        return DeviceCamera(settings.source.uri.partition(":")[2], settings.camera, clock)
-    return open_played(settings, clock, paced=paced)
+        return DeviceCamera(settings.source.uri.partition(":")[2], camera, clock)
+    return open_played(settings, camera, clock, paced=paced)
 
 
-def open_played(settings: Settings, clock: Clock, *, paced: bool) -> Played:
+def open_played(settings: Settings, camera: CameraSetup, clock: Clock, *, paced: bool) -> Played:
     """The simulated camera or the files that ``source.uri`` names; as ``open_source``."""
     uri = settings.source.uri
     kind, _, rest = uri.partition(":")
@@ -74,9 +75,9 @@ def open_played(settings: Settings, clock: Clock, *, paced: bool) -> Played:
     if uri == "synthetic":
         from vision_core.capture.synthetic.camera import SyntheticCamera
 
-        return SyntheticCamera(settings, clock, paced=paced)
+        return SyntheticCamera(settings, camera, clock, paced=paced)
     if kind == "file" and rest:
         from vision_core.capture.playback import open_file
 
-        return open_file(Path(rest), settings.camera, clock, paced=paced)
+        return open_file(Path(rest), camera, clock, paced=paced)
     raise SourceError("source.uri", found=repr(uri), accepted=ACCEPTED)

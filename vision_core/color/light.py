@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes, frozen
 from vision_core.models.camera import CameraModel
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.native.kernels import kernel, read_only
 from vision_core.settings.schema import FieldSettings, LightSettings, Settings
@@ -127,11 +128,10 @@ class Lighting:
     gain of 2 it loses more than half of the pixels.
     """
 
-    def __init__(self, settings: Settings, camera: CameraModel) -> None:
-        size = settings.camera.width_px, settings.camera.height_px
+    def __init__(self, settings: Settings, camera: CameraSetup) -> None:
         self._settings = settings.colors.light
-        self._samples = field_samples(camera, settings.field, size, self._settings.margin_m)
-        self._relighter = Relighter(*size)
+        self._samples = field_samples(camera.model, settings.field, camera.size_px, self._settings.margin_m)
+        self._relighter = Relighter(*camera.size_px)
         self._judged: Instant | None = None
         self.light = AS_IT_IS
         """That of the picture shown last."""

@@ -17,6 +17,7 @@ from vision_core.evaluation.assignment import best_pairs
 from vision_core.evaluation.stills import detect_files
 from vision_core.evaluation.truth_files import PictureTruth, TrueRobot
 from vision_core.geometry import Floats
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import Color, draw_circle, draw_text, read_picture, write_picture
 from vision_core.settings.schema import Settings
 
@@ -75,7 +76,7 @@ def evaluate(
 
     Raises SourceError for a picture that cannot be read or has not the venue's size.
     """
-    camera = (settings.camera.width_px, settings.camera.height_px)
+    camera = CameraSetup.from_settings(settings).size_px
     found = detect_files([picture.file for picture in truth], settings, draw)
     for picture, table in zip(truth, found, strict=True):
         if "error" in table:

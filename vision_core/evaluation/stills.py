@@ -9,6 +9,7 @@ from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.pictures import axis_pictures
 from vision_core.errors import PslvError, SourceError
 from vision_core.evaluation.overlay import draw_classes, draw_sightings
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import read_picture, write_picture
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
@@ -26,7 +27,7 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
     more the color space's hue and how colored each pixel is.
     Raises SettingsError when the settings name no usable pattern, SourceError when the folder cannot be made.
     """
-    perception = Perception(settings)
+    perception = Perception(settings, CameraSetup.from_settings(settings))
     if draw is not None:
         _make_folder(draw)
     for file in files:
@@ -41,14 +42,14 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
     settings = perception.settings
     pixels = read_picture(file)
     height, width, _ = pixels.shape
-    camera = settings.camera
-    if (width, height) != (camera.width_px, camera.height_px):
-        accepted = f"{camera.width_px}x{camera.height_px} (camera.width_px, camera.height_px of the venue)"
+    camera = perception.camera
+    if (width, height) != camera.size_px:
+        accepted = f"{camera.size_px[0]}x{camera.size_px[1]} (camera.width_px, camera.height_px of the venue)"
         raise SourceError(f"picture {file}", found=f"{width}x{height} px", accepted=accepted)
     seen = perception.perceive(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock()).record()
-    obstacles = finder_from(settings).find(pixels, seen.robots, seen.balls)
+    obstacles = finder_from(settings, camera).find(pixels, seen.robots, seen.balls)
     if draw is not None:
-        overlay = draw_sightings(pixels, seen, perception.camera, settings, obstacles)
+        overlay = draw_sightings(pixels, seen, camera.model, settings, obstacles)
         write_picture(draw / f"{file.stem}.png", overlay)
         lit = perception.pixels
         write_picture(draw / f"{file.stem}-classes.png", draw_classes(lit, perception.table))

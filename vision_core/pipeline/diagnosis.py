@@ -22,8 +22,8 @@ OVERFLOW = "too many blobs: parts of the picture were not looked at; narrow the 
 def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     """What explains the frame that was perceived last. seen: what came of it."""
     settings, pixels, eyes = perception.settings, perception.pixels, perception.eyes
-    size = settings.camera.width_px, settings.camera.height_px
-    exposure = exposure_reasons(perception.raw, field_pixels(settings.field, perception.camera, size))
+    camera = perception.camera
+    exposure = exposure_reasons(perception.raw, field_pixels(settings.field, camera.model, camera.size_px))
     if exposure:  # nothing else can be told from such a picture
         return exposure
     table = SightingsTable.of(seen)
@@ -35,7 +35,7 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
         blobs, count, pixels, eyes.classes, eyes.camera, table.robots, len(seen.robots), eyes.balls, settings.ball.color
     )
     conflicts = () if seen.robots and seen.balls else disputes(perception)
-    lines = line_reasons(perception.raw, settings.field, perception.camera)
+    lines = line_reasons(perception.raw, settings.field, camera.model)
     return (*light, *overflow, *robots, *balls, *conflicts, *lines)
 
 

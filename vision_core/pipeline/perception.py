@@ -16,8 +16,9 @@ from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.color.prefilter import candidate_test
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_from_field, pixels_per_square_metre
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
-from vision_core.models.from_settings import camera_model_from, robots_of
+from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import Kept, keep, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
@@ -125,11 +126,11 @@ class Perception:
     Raises SettingsError when a pattern file is missing or wrong, or wears colors without a class.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, camera: CameraSetup) -> None:
         self.settings = settings
+        self.camera = camera
         self.table = compile_color_table(settings.colors)
-        self.camera = camera_model_from(settings)
-        self.lighting = Lighting(settings, self.camera)
+        self.lighting = Lighting(settings, camera)
         self.eyes = self._eyes()
         self._kept = keep(self.eyes)
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
@@ -144,8 +145,7 @@ class Perception:
 
     def warm_up(self) -> None:
         """Load or compile the kernels, so that no frame waits for them."""
-        size = (self.settings.camera.height_px, self.settings.camera.width_px, 3)
-        dark = ImageFrame(self.settings.camera.name, 0, Instant(0), np.zeros(size, dtype=np.uint8))
+        dark = ImageFrame(self.camera.name, 0, Instant(0), self.camera.black_image())
         self.perceive(dark, ManualClock())
         self.lighting.warm_up()
 
@@ -168,14 +168,13 @@ class Perception:
         searched = keep_classes(self.table, {*TEAMS, *worn, settings.ball.color})
         shapes = [robots_of(settings.robots, team) for team in TEAMS]
         radius = settings.ball.radius_m
-        width, height = settings.camera.width_px, settings.camera.height_px
         rows_apart = least_height_px(self._smallest_px(), settings.blobs.row_step)
         return Eyes(
             classes=self.table.classes,
             searched=searched.classes,
             candidates=candidate_test(searched),
-            camera=camera_map_from(self.camera),
-            segment=segment_memory(width, height, settings.blobs, rows_apart),
+            camera=camera_map_from(self.camera.model),
+            segment=segment_memory(*self.camera.size_px, settings.blobs, rows_apart),
             robots=robots,
             balls=ball_finder(settings, self.table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),
@@ -193,7 +192,7 @@ class Perception:
         smallest_m = min(*patches, 2.0 * self.settings.ball.radius_m)
         x, y = accepted_half_extent(self.settings.field)
         corners = np.array([(0.0, 0.0), (x, y), (x, -y), (-x, y), (-x, -y)])
-        scale = np.sqrt(self.camera.pixels_per_square_metre(corners))
+        scale = np.sqrt(self.camera.model.pixels_per_square_metre(corners))
         return smallest_m * float(np.nanmin(scale))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.net.batch import Batch, Lines
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
@@ -22,11 +23,11 @@ from vision_core.types.tables import SightingsTable, obstacle_table
 
 def perception(settings: Settings) -> None:
     """An empty picture, and why nothing is seen in a meaningless one."""
-    eyes = Perception(settings)
+    setup = CameraSetup.from_settings(settings)
+    eyes = Perception(settings, setup)
     eyes.warm_up()
-    size = settings.camera.height_px, settings.camera.width_px, 3
-    noise = np.random.default_rng(1).integers(0, 255, size, dtype=np.uint8)
-    seen = eyes.perceive(ImageFrame(settings.camera.name, 1, Instant(0), noise), ManualClock()).record()
+    noise = np.random.default_rng(1).integers(0, 255, setup.shape, dtype=np.uint8)
+    seen = eyes.perceive(ImageFrame(setup.name, 1, Instant(0), noise), ManualClock()).record()
     reasons_of(eyes, seen)
 
 
@@ -49,8 +50,8 @@ def camera(settings: Settings) -> None:
     """A simulated picture, where one is asked for."""
     if settings.source.uri != "synthetic":
         return
-    source = open_source(settings, ManualClock(), paced=False)
-    source.grab(np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8))
+    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
+    source.grab(CameraSetup.from_settings(settings).black_image())
     source.close()
 
 

@@ -9,6 +9,7 @@ from typing import TypeAlias, TypeVar
 
 from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import ServiceError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.items import Item, ItemReader, ItemWriter
 from vision_core.rtdb.slots import SlotReader, SlotWriter
 from vision_core.scheduling.attachment import Attachment
@@ -26,9 +27,11 @@ HEARTBEAT_EVERY_S = 0.1
 class Handle:
     """One task's hold on the service."""
 
-    def __init__(self, task: Task, attachment: Attachment, settings: Settings) -> None:
+    def __init__(self, task: Task, attachment: Attachment, settings: Settings, camera: CameraSetup) -> None:
         self.task = task
         self.settings = settings
+        self.camera = camera
+        """The camera that the task works for; one object for all tasks of a process."""
         self.attachment = attachment
         self.clock = MonotonicClock()
         self.note = ""

@@ -19,11 +19,11 @@ class Images:
     """The images of the service's camera, for one task."""
 
     def __init__(self, handle: Handle) -> None:
-        camera = handle.settings.camera
+        camera = handle.camera
         self._camera = camera.name
         self._handle = handle
         self._frames = handle.raw_reader(f"frames/{camera.name}")
-        self._copy = np.zeros((camera.height_px, camera.width_px, 3), dtype=np.uint8)
+        self._copy = camera.black_image()
         self.overtaken = 0
         """Copies that were thrown away."""
 

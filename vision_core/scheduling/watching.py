@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-import numpy as np
-
 from vision_core.geometry import Bytes
 from vision_core.rtdb.items import Item
 from vision_core.scheduling.handle import Handle, Step
@@ -21,8 +19,8 @@ def watching(handle: Handle, item: Item[Finding[T]], look: Callable[[Bytes], T])
     look: takes pixels, shape (height, width, 3), blue green red. It is called with a black image at once, so that
     whatever it loads or compiles is there before the first release.
     """
-    camera = handle.settings.camera
-    look(np.zeros((camera.height_px, camera.width_px, 3), dtype=np.uint8))
+    camera = handle.camera
+    look(camera.black_image())
     images, told = Images(handle), handle.writer(item)
     last = 0
 

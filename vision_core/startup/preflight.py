@@ -13,6 +13,7 @@ from vision_core.capture.playback import Pictures
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import PslvError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.admission import Admission
@@ -24,9 +25,10 @@ def main() -> int:
     """Check the settings, open the source and close it; exit status 2 and one line on standard error if that fails."""
     end_with(os.getppid())  # a camera may take its time: nothing is left of a command that was killed
     settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
+    camera = CameraSetup.from_settings(settings)
     try:
-        check_tasks(settings)
-        source = open_source(settings, MonotonicClock())
+        check_tasks(settings, camera)
+        source = open_source(settings, camera, MonotonicClock())
         if isinstance(source, Pictures):
             source.check()
         source.close()
@@ -36,9 +38,9 @@ def main() -> int:
     return 0
 
 
-def check_tasks(settings: Settings) -> None:
+def check_tasks(settings: Settings, camera: CameraSetup) -> None:
     """Make what the tasks make of settings: pattern and its colors, letters, admitted subnets. Raises SettingsError."""
-    Perception(settings)
+    Perception(settings, camera)
     Messages(settings, Instant(0))
     Admission.from_subnets(settings.admission.subnets)
 

@@ -3,6 +3,7 @@
 from importlib import import_module
 
 from vision_core.clock import MonotonicClock
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.scheduling.attachment import attach
 from vision_core.scheduling.executive import Executive
@@ -15,7 +16,8 @@ def main() -> None:
     attachment = attach()
     settings = records.SERVICE.reader(attachment.store).value(MonotonicClock().now()).settings
     ours = [task for task in task_table(settings) if task.process == attachment.resources.process]
-    handles = [Handle(task, attachment, settings) for task in ours]
+    camera = CameraSetup.from_settings(settings)
+    handles = [Handle(task, attachment, settings, camera) for task in ours]
     Executive(attachment, [(handle, import_module(handle.task.module).start(handle)) for handle in handles]).run()
 
 

@@ -1,6 +1,5 @@
 """Task: images -> where the field ends in them, beside where the venue says that it does."""
 
-from vision_core.models.from_settings import camera_model_from
 from vision_core.regions.boundary import BoundaryFinder
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
@@ -9,7 +8,6 @@ from vision_core.scheduling.watching import watching
 
 def start(handle: Handle) -> Step:
     """Lay the rays."""
-    settings = handle.settings
-    camera = settings.camera
-    finder = BoundaryFinder(settings.field, camera_model_from(settings), (camera.width_px, camera.height_px))
+    camera = handle.camera
+    finder = BoundaryFinder(handle.settings.field, camera.model, camera.size_px)
     return watching(handle, records.boundary(camera.name), finder.find)

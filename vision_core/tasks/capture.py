@@ -10,6 +10,8 @@ A device that fails is opened again once a second, and until it delivers nothing
 passed on as fresh.
 """
 
+import math
+
 import numpy as np
 
 from vision_core.capture.source import Source, is_device, open_source
@@ -32,14 +34,14 @@ def start(handle: Handle) -> Step:
 
 
 def _from_device(handle: Handle) -> Step:
-    camera = handle.settings.camera
+    camera = handle.camera
     frames = handle.raw_writer(f"frames/{camera.name}")
     about = handle.writer(records.source(camera.name))
-    shape = (camera.height_px, camera.width_px, 3)
+    shape = camera.shape
     source: Source | None = None
 
     def opened() -> Source:
-        fresh = open_source(handle.settings, handle.clock)
+        fresh = open_source(handle.settings, camera, handle.clock)
         now = handle.clock.now()
         handle.attachment.heartbeat(now)
         about.write(info_of(fresh, handle.settings.source.uri), now, now)
@@ -75,9 +77,9 @@ class _Shutter:
     """Orders images on a grid in time, and publishes each at its instant."""
 
     def __init__(self, handle: Handle) -> None:
-        camera = handle.settings.camera
+        camera = handle.camera
         self._handle = handle
-        self._size = camera.height_px * camera.width_px * 3
+        self._size = math.prod(camera.shape)
         self._frames = handle.raw_writer(f"frames/{camera.name}")
         self._orders = handle.writer(records.frame_requests(camera.name))
         self._exposures = handle.reader(records.frames_done(camera.name))
@@ -120,7 +122,7 @@ class _Shutter:
         order = FrameRequest(self._number, self._frames.next_slot, self._keeper.choose())
         now = self._handle.clock.now()
         self._orders.write(order, now, now)
-        self._handle.notify(records.frame_requests(self._handle.settings.camera.name).spec.name)
+        self._handle.notify(records.frame_requests(self._handle.camera.name).spec.name)
         return order
 
     def _waited_for(self, order: FrameRequest) -> Instant | None:

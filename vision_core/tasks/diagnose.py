@@ -11,8 +11,8 @@ from vision_core.types.objects import Diagnosis
 
 def start(handle: Handle) -> Step:
     """Load the kernels."""
-    camera = handle.settings.camera.name
-    perception = Perception(handle.settings)
+    camera = handle.camera.name
+    perception = Perception(handle.settings, handle.camera)
     perception.warm_up()
     images = Images(handle)
     diagnosis = handle.writer(records.diagnosis(camera))

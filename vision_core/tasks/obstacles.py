@@ -1,6 +1,6 @@
 """Task: images -> obstacles. Less often than frames come; the tracker predicts them in between."""
 
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
@@ -10,23 +10,22 @@ from vision_core.settings.schema import Settings
 from vision_core.types.objects import Obstacles
 
 
-def finder_from(settings: Settings) -> ObstacleFinder:
-    """The obstacle finder of a venue."""
-    camera = settings.camera
+def finder_from(settings: Settings, camera: CameraSetup) -> ObstacleFinder:
+    """The obstacle finder of a venue's camera."""
     return ObstacleFinder(
         settings.field,
         settings.robots,
         settings.ball.radius_m,
-        camera_model_from(settings),
-        (camera.width_px, camera.height_px),
+        camera.model,
+        camera.size_px,
         settings.obstacles,
     )
 
 
 def start(handle: Handle) -> Step:
     """Make the finder."""
-    camera = handle.settings.camera.name
-    finder = finder_from(handle.settings)
+    camera = handle.camera.name
+    finder = finder_from(handle.settings, handle.camera)
     images = Images(handle)
     sightings = handle.reader(records.sightings(camera))
     obstacles = handle.writer(records.obstacles(camera))

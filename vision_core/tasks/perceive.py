@@ -12,14 +12,13 @@ from vision_core.rtdb import records
 from vision_core.rtdb.slots import SlotView
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import Release
-from vision_core.settings.schema import CameraSettings
 from vision_core.types.image import ImageFrame
 
 
 def start(handle: Handle) -> Step:
     """Compile the colors, load the kernels."""
-    camera = handle.settings.camera
-    perception = Perception(handle.settings)
+    camera = handle.camera
+    perception = Perception(handle.settings, camera)
     perception.warm_up()
     frames = handle.raw_reader(f"frames/{camera.name}")
     sightings = handle.raw_writer(records.sightings(camera.name).spec.name)
@@ -45,8 +44,8 @@ def start(handle: Handle) -> Step:
     return step
 
 
-def _image_from(view: SlotView, camera: CameraSettings) -> ImageFrame:
+def _image_from(view: SlotView, camera: CameraSetup) -> ImageFrame:
     """The frame in place, read-only: nothing is copied."""
     pixels = np.frombuffer(view.payload.toreadonly(), dtype=np.uint8)
-    shaped = pixels.reshape(camera.height_px, camera.width_px, 3)
+    shaped = pixels.reshape(camera.shape)
     return ImageFrame(camera.name, view.sequence, view.measured, shaped)

@@ -49,7 +49,7 @@ class Server:
 
     def __init__(self, handle: Handle) -> None:
         settings = handle.settings
-        camera = settings.camera.name
+        camera = handle.camera.name
         self._handle = handle
         self._clock = handle.clock
         self._tracker = Tracker(settings.tracks, settings.robots)

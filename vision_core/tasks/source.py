@@ -28,9 +28,9 @@ class _Player:
     """Fills orders."""
 
     def __init__(self, handle: Handle) -> None:
-        camera = handle.settings.camera
+        camera = handle.camera
         self._handle = handle
-        self._shape = (camera.height_px, camera.width_px, 3)
+        self._shape = camera.shape
         self._frames = handle.raw_reader(f"frames/{camera.name}")
         self._orders = handle.reader(records.frame_requests(camera.name))
         self._exposures = handle.writer(records.frames_done(camera.name))
@@ -66,7 +66,7 @@ class _Player:
             return False
         self._filled, now = timed.sequence, self._handle.clock.now()
         self._exposures.write(FrameDone(order.number), now, now)
-        self._handle.notify(records.frames_done(self._handle.settings.camera.name).spec.name)
+        self._handle.notify(records.frames_done(self._handle.camera.name).spec.name)
         self._handle.note = ""
         return True
 
@@ -76,10 +76,10 @@ class _Player:
         if now - self._opened < REOPEN_EVERY_S * NS_PER_S:
             return None
         self._opened = now
-        source = open_played(self._handle.settings, self._handle.clock, paced=False)
+        source = open_played(self._handle.settings, self._handle.camera, self._handle.clock, paced=False)
         source.prepare()
         source.keeper = self._keeper = OrderedKeeper(source.rate_hz)
         self._about.write(info_of(source, self._handle.settings.source.uri), now, now)
-        self._handle.notify(records.source(self._handle.settings.camera.name).spec.name)
+        self._handle.notify(records.source(self._handle.camera.name).spec.name)
         self._source = source
         return source

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from vision_core.capture.source import is_device
 from vision_core.errors import SettingsError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.catalog import catalog
 from vision_core.rtdb.layout import RecordSpec
@@ -42,7 +43,7 @@ def task_table(settings: Settings) -> tuple[Task, ...]:
 
 
 def _page(settings: Settings) -> Iterator[Task]:
-    camera = settings.camera.name
+    camera = CameraSetup.from_settings(settings).name
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
     requests, done, obstacles = f"frame_requests/{camera}", f"frames_done/{camera}", f"obstacles/{camera}"
     watched = [f"{name}/{camera}" for name in ("boundary", "lines", "exposure", "colors")]
@@ -135,7 +136,7 @@ def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
     strangers = [TableProblem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
     told = [f"{kind}/{task.name}" for task in tasks for kind in ("task", "timing")]
     beats = [f"heartbeat/{process}" for process in (COMPILER, *{task.process for task in tasks})]
-    found = problems(tasks, (*GIVEN, *told, *beats), settings.camera.rate_hz)
+    found = problems(tasks, (*GIVEN, *told, *beats), CameraSetup.from_settings(settings).rate_hz)
     for problem in (*strangers, *_misplaced(settings), *found):
         where = f"{place_of(problem.key)}: {problem.key}"
         raise SettingsError(where, found=problem.found, accepted=problem.accepted)
@@ -156,14 +157,14 @@ def _misplaced(settings: Settings) -> Iterator[TableProblem]:
 
 def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[str]) -> tuple[RecordSpec, ...]:
     """Every record of the service; processes: everything that must say that it lives."""
-    camera = settings.camera
+    camera = CameraSetup.from_settings(settings)
     declared = [
         records.SERVICE.spec,
         *(item.spec for item in catalog(camera.name)),
         *(kind(camera.name).spec for kind in records.HANDSHAKE),
         records.SESSIONS,
         records.LAG_HISTOGRAMS,
-        records.frames(camera.name, camera.width_px, camera.height_px),
+        records.frames(camera.name, *camera.size_px),
         *(records.task(task.name).spec for task in tasks),
         *(records.timing(task.name) for task in tasks),
         *(records.heartbeat(process) for process in processes),

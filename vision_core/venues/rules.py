@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from vision_core.errors import SettingsError
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import diagonal_m
-from vision_core.models.from_settings import camera_model_from, mirror_from
+from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import check_span
 from vision_core.settings.schema import ColorRange, HomographySettings, Settings
 
@@ -89,7 +90,7 @@ def _camera(settings: Settings) -> Iterator[Violation]:
     if settings.camera.homography is not None:
         yield from _points(settings, settings.camera.homography)
     try:
-        camera = camera_model_from(settings)
+        camera = CameraSetup.from_settings(settings).model
     except SettingsError as error:
         yield Violation(key, error.found, error.accepted)
         return

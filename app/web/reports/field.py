@@ -9,8 +9,9 @@ import numpy as np
 from app.web.reports.base import Report
 from vision_core.geometry import Floats, rotation
 from vision_core.models.camera import CameraModel
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import field_lines, field_segments, painted_points
-from vision_core.models.from_settings import camera_model_from, mirror_from, robots_of
+from vision_core.models.from_settings import mirror_from, robots_of
 from vision_core.models.mirror import MAX_PX
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
@@ -90,7 +91,7 @@ def field_from(service: ServiceInfo) -> Field:
     settings = service.settings
     field = settings.field
     lines, arcs = field_lines(field)
-    camera = camera_model_from(settings)
+    camera = CameraSetup.from_settings(settings).model
     return Field(
         name=field.name,
         length_m=field.length_m,
@@ -118,7 +119,7 @@ class Outlines:
     """Draws into the picture: robots' bodies at the height of their markers, obstacles' circles on the floor."""
 
     def __init__(self, settings: Settings) -> None:
-        self._camera = camera_model_from(settings)
+        self._camera = CameraSetup.from_settings(settings).model
         self._robots = {team: robots_of(settings.robots, team) for team in Team}
         angles: Floats = np.linspace(0.0, math.tau, STEPS, endpoint=False)
         circle: Floats = np.column_stack([np.cos(angles), np.sin(angles)])

@@ -8,8 +8,7 @@ from vision_core.capture.synthetic.physics import no_bodies
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.geometry import Bytes, Floats
-from vision_core.models.camera import PinholeCamera
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings
@@ -32,13 +31,6 @@ def plain_settings(**options: Any) -> Settings:
     return load_settings(options={**PLAIN, **{key.replace("__", "."): value for key, value in options.items()}})
 
 
-def pinhole(settings: Settings) -> PinholeCamera:
-    """The camera that the settings describe."""
-    camera = camera_model_from(settings)
-    assert isinstance(camera, PinholeCamera)
-    return camera
-
-
 def scene(*robots: tuple[float, ...], ball: tuple[float, ...] = FAR_AWAY) -> Snapshot:
     """Robots and ball from x, y, heading, vx, vy, turn; what is left out is 0."""
     bodies = no_bodies(len(robots) + 1)
@@ -50,10 +42,10 @@ def scene(*robots: tuple[float, ...], ball: tuple[float, ...] = FAR_AWAY) -> Sna
 def render(settings: Settings, *scenes: Snapshot) -> list[Bytes]:
     """The images of scenes whose robots are blue and wear ids 1, 2, ..."""
     worn = tuple((Team.BLUE, number + 1) for number in range(len(scenes[0].robots)))
-    renderer = Renderer(settings, pinhole(settings), worn)
+    renderer = Renderer(settings, CameraSetup.from_settings(settings), worn)
     images = []
     for shown in scenes:
-        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+        pixels = CameraSetup.from_settings(settings).black_image()
         renderer.draw(pixels, shown)
         images.append(pixels)
     return images

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from tests.capture.synthetic.scenes import pinhole, plain_settings, render, scene
+from tests.capture.synthetic.scenes import plain_settings, render, scene
 from vision_core.capture.synthetic.background import make_background
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 
 pytestmark = pytest.mark.slow  # renders whole pictures
@@ -13,16 +14,16 @@ pytestmark = pytest.mark.slow  # renders whole pictures
 
 def picture_at(settings: Settings, image: Bytes, points: Floats, height_m: float = 0.0) -> Floats:
     """Mean grey at points of the field, shape (n, 2) [m]."""
-    pixels = pinhole(settings).pixel_from_field(points, height_m).round().astype(int)
+    pixels = CameraSetup.from_settings(settings).model.pixel_from_field(points, height_m).round().astype(int)
     return np.asarray(image[pixels[:, 1], pixels[:, 0]].mean(axis=1))
 
 
 def test_floor_points_agree_with_the_camera_model_between_the_worked_out_rays() -> None:
     settings = plain_settings()
-    camera = pinhole(settings)
+    camera = CameraSetup.from_settings(settings)
     floor = make_background(settings, camera).floor
     pixels = np.array([[0, 0], [1, 2], [318, 241], [637, 478], [639, 479], [101, 333]])
-    expected = camera.field_from_pixel(pixels.astype(np.float64))
+    expected = camera.model.field_from_pixel(pixels.astype(np.float64))
     found = floor[pixels[:, 1] + 1, pixels[:, 0] + 1]
     assert np.abs(found - expected).max() < 1e-5
 
@@ -30,13 +31,13 @@ def test_floor_points_agree_with_the_camera_model_between_the_worked_out_rays() 
 def test_a_line_lies_where_the_field_model_puts_it() -> None:
     settings = plain_settings()
     (image,) = render(settings, scene((30.0, 30.0)))
-    camera = pinhole(settings)
+    camera = CameraSetup.from_settings(settings)
     for y in (-0.9, -0.5, 0.5, 0.9):
-        u, v = camera.pixel_from_field(np.array([[0.0, y]]))[0]
+        u, v = camera.model.pixel_from_field(np.array([[0.0, y]]))[0]
         row = image[round(v), round(u) - 8 : round(u) + 9, 2].astype(np.float64)
         weights = (row - np.median(row)).clip(8.0) - 8.0
         center = round(u) - 8 + float(weights @ np.arange(17.0)) / weights.sum()
-        at_row = camera.pixel_from_field(np.array([[0.0, y], [0.0, y + 0.01]]))
+        at_row = camera.model.pixel_from_field(np.array([[0.0, y], [0.0, y + 0.01]]))
         slope = (at_row[1, 0] - at_row[0, 0]) / (at_row[1, 1] - at_row[0, 1])
         assert center == pytest.approx(u + slope * (round(v) - v), abs=0.15)
 
@@ -63,15 +64,15 @@ def test_a_field_without_walls_has_carpet_beyond_its_lines() -> None:
 
 def test_light_falls_to_the_corners_as_set() -> None:
     settings = plain_settings(synthetic__vignetting=0.4)
-    light = make_background(settings, pinhole(settings)).light
+    light = make_background(settings, CameraSetup.from_settings(settings)).light
     assert light[240, 320] == pytest.approx(1.0, abs=0.01)
     assert light[0, 0] == pytest.approx(0.6, abs=0.01)
 
 
 def test_clutter_lies_beside_the_field_only() -> None:
     bare, cluttered = plain_settings(), plain_settings(synthetic__clutter=True)
-    one = make_background(bare, pinhole(bare))
-    other = make_background(cluttered, pinhole(cluttered))
+    one = make_background(bare, CameraSetup.from_settings(bare))
+    other = make_background(cluttered, CameraSetup.from_settings(cluttered))
     differs = (one.pixels != other.pixels).any(axis=2)
     place = np.abs(one.floor[1:-1, 1:-1][differs])
     assert differs.sum() > 500

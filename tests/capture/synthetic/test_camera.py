@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from tests.capture.synthetic.scenes import pinhole, plain_settings
+from tests.capture.synthetic.scenes import plain_settings
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import NS_PER_S, Instant, ManualClock
 from vision_core.errors import SettingsError, SourceError
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
 
@@ -15,10 +16,10 @@ pytestmark = pytest.mark.slow  # renders whole pictures
 
 
 def frames(settings: Settings, count: int) -> tuple[SyntheticCamera, list[Bytes], list[Instant]]:
-    camera = SyntheticCamera(settings, ManualClock(Instant(100)), paced=False)
+    camera = SyntheticCamera(settings, CameraSetup.from_settings(settings), ManualClock(Instant(100)), paced=False)
     images, instants = [], []
     for _ in range(count):
-        pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+        pixels = CameraSetup.from_settings(settings).black_image()
         instants.append(camera.grab(pixels))
         images.append(pixels)
     return camera, images, instants
@@ -50,20 +51,27 @@ def test_the_truth_is_what_the_image_shows() -> None:
     assert len(seen) >= 12
     for robot in seen:
         place = np.array([[robot.x_m, robot.y_m]])
-        u, v = pinhole(settings).pixel_from_field(place, settings.robots.height_m)[0].round().astype(int)
+        u, v = (
+            CameraSetup.from_settings(settings)
+            .model.pixel_from_field(place, settings.robots.height_m)[0]
+            .round()
+            .astype(int)
+        )
         blue, _, red = images[-1][v, u].astype(int)
         assert (blue - red > 100) if robot.team == "blue" else (red - blue > 100)
 
 
 def test_truth_comes_after_an_image_only() -> None:
     with pytest.raises(SourceError, match="grab"):
-        _ = SyntheticCamera(load_settings(), ManualClock(), paced=False).truth
+        _ = SyntheticCamera(
+            load_settings(), CameraSetup.from_settings(load_settings()), ManualClock(), paced=False
+        ).truth
 
 
 def test_a_camera_without_a_lens_is_refused() -> None:
     venue = load_settings(venue="ssl-rosenheim")
     with pytest.raises(SourceError, match="pinhole"):
-        SyntheticCamera(venue, ManualClock(), paced=False)
+        SyntheticCamera(venue, CameraSetup.from_settings(venue), ManualClock(), paced=False)
 
 
 def test_an_id_that_the_pattern_lacks_is_refused() -> None:

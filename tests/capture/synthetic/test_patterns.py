@@ -5,11 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.capture.synthetic.scenes import pinhole, plain_settings, render, scene
+from tests.capture.synthetic.scenes import plain_settings, render, scene
 from vision_core.capture.synthetic.render import BODY_BGR, PLATE_BGR
 from vision_core.capture.synthetic.sprites import meets_square, polygon_depth
 from vision_core.capture.synthetic.truth import visible_share
 from vision_core.geometry import rotation
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.patterns.geometry import depth_mm, inner_points_mm
 from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
@@ -40,7 +41,11 @@ def test_every_patch_has_its_color(name: str) -> None:
         points = inner_points_mm(patch)
         points = points[depth_mm(patch, points) > 3.0] / 1e3
         places = points @ rotation(PLACE[2]).T + PLACE[:2]
-        u, v = np.rint(pinhole(settings).pixel_from_field(places, pattern.robot.height_m)).astype(int).T
+        u, v = (
+            np.rint(CameraSetup.from_settings(settings).model.pixel_from_field(places, pattern.robot.height_m))
+            .astype(int)
+            .T
+        )
         assert np.abs(pixels[v, u].astype(int) - PAINTS_BGR[color]).max() <= 1, color
 
 
@@ -51,7 +56,7 @@ def test_a_square_robot_is_square() -> None:
     side = 0.0375
     for x, y, inside in ((0.95, -0.95, True), (-0.95, 0.95, True), (1.15, -1.15, False), (-1.1, 0.0, False)):
         place = np.array([[x * side, y * side]]) @ rotation(PLACE[2]).T + PLACE[:2]
-        u, v = np.rint(pinhole(settings).pixel_from_field(place, 0.075)[0]).astype(int)
+        u, v = np.rint(CameraSetup.from_settings(settings).model.pixel_from_field(place, 0.075)[0]).astype(int)
         near = min(np.abs(pixels[v, u].astype(int) - bgr).max() for bgr in (PLATE_BGR, BODY_BGR))
         assert bool(near <= 2) == inside, (x, y)
 
@@ -67,7 +72,7 @@ def test_teams_wear_their_own() -> None:
 
 def test_a_square_robot_hides_a_ball_behind_its_corner() -> None:
     settings = plain_settings(robots__pattern="vsss-diagonal", **LOW)
-    camera = pinhole(settings)
+    camera = CameraSetup.from_settings(settings)
     half = settings.robots.radius_m
     behind = (1.0 + half + 0.5 * settings.ball.radius_m, 0.0)
     beside = (1.0, 2.0 * half)

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.capture.synthetic.scenes import blob, pinhole, plain_settings, render, scene
+from tests.capture.synthetic.scenes import blob, plain_settings, render, scene
 from vision_core.capture.synthetic.render import TIME_ORDER
 from vision_core.capture.synthetic.truth import visible_share
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 
 pytestmark = pytest.mark.slow  # renders whole pictures
@@ -53,10 +54,10 @@ LOW_CAMERA = {
 
 def center_dot(settings: Settings, pixels: Bytes, place: tuple[float, ...]) -> tuple[Floats, Floats]:
     """Centroid and spread of a blue center dot: what is bluer than the plate round it, 36 mm around its true place."""
-    camera = pinhole(settings)
-    expected = camera.pixel_from_field(np.array([place[:2]]), settings.robots.height_m)[0]
+    camera = CameraSetup.from_settings(settings)
+    expected = camera.model.pixel_from_field(np.array([place[:2]]), settings.robots.height_m)[0]
     v, u = np.mgrid[0 : settings.camera.height_px, 0 : settings.camera.width_px]
-    radius = 0.040 * camera.pixels_per_metre(place[:2], settings.robots.height_m)
+    radius = 0.040 * camera.model.pixels_per_metre(place[:2], settings.robots.height_m)
     blueness = pixels[..., 0].astype(np.float64) - pixels[..., 2]
     near = np.hypot(u - expected[0], v - expected[1]) < radius
     return blob(np.where(near, blueness - np.median(blueness[near & (blueness < 20)]), 0.0).clip(0.0))
@@ -65,9 +66,9 @@ def center_dot(settings: Settings, pixels: Bytes, place: tuple[float, ...]) -> t
 @pytest.mark.parametrize("lens", LENSES)
 def test_the_center_dot_is_where_the_camera_model_says(lens: str) -> None:
     settings = plain_settings(**LENSES[lens])
-    camera = pinhole(settings)
+    camera = CameraSetup.from_settings(settings)
     for place, image in zip(PLACES, render(settings, *(scene(place) for place in PLACES)), strict=True):
-        expected = camera.pixel_from_field(np.array([place[:2]]), settings.robots.height_m)[0]
+        expected = camera.model.pixel_from_field(np.array([place[:2]]), settings.robots.height_m)[0]
         if (expected > 12).all() and (expected < np.array(image.shape[1::-1]) - 12).all():
             found, _ = center_dot(settings, image, place)
             assert np.abs(found - expected).max() < 0.1, f"{lens} at {place}"
@@ -77,7 +78,7 @@ def test_forgetting_the_height_would_be_noticed() -> None:
     settings = plain_settings()
     place = (1.2, 0.95, 1.0)
     (image,) = render(settings, scene(place))
-    on_floor = pinhole(settings).pixel_from_field(np.array([place[:2]]), 0.0)[0]
+    on_floor = CameraSetup.from_settings(settings).model.pixel_from_field(np.array([place[:2]]), 0.0)[0]
     assert np.abs(center_dot(settings, image, place)[0] - on_floor).max() > 5.0
 
 
@@ -85,10 +86,10 @@ def test_heading_turns_the_dots_anticlockwise() -> None:
     """Id 1 wears green, green, pink, pink from the front left on: turned by 180 degrees the greens are on the right."""
     settings = plain_settings()
     ahead, turned = render(settings, scene((0.0, 0.0, 0.0)), scene((0.0, 0.0, math.pi)))
-    camera = pinhole(settings)
+    camera = CameraSetup.from_settings(settings)
     for image, side in ((ahead, 1.0), (turned, -1.0)):
         for x, y in ((0.035, 0.054772), (-0.054772, 0.035)):
-            u, v = camera.pixel_from_field(np.array([[side * x, side * y]]), settings.robots.height_m)[0].round()
+            u, v = camera.model.pixel_from_field(np.array([[side * x, side * y]]), settings.robots.height_m)[0].round()
             blue, green, red = image[int(v), int(u)]
             assert green > 150 > blue
             assert red < 120
@@ -101,7 +102,11 @@ def test_motion_smears_along_the_way_and_shifts_nothing() -> None:
     still, moving = render(settings, scene(place), scene((*place, speed, 0.0, 0.0)))
     still_center, still_spread = center_dot(settings, still, place)
     center, spread = center_dot(settings, moving, place)
-    smear_px = speed * exposure_s * pinhole(settings).pixels_per_metre(place[:2], settings.robots.height_m)
+    smear_px = (
+        speed
+        * exposure_s
+        * CameraSetup.from_settings(settings).model.pixels_per_metre(place[:2], settings.robots.height_m)
+    )
     assert spread[0] - still_spread[0] == pytest.approx(smear_px**2 / 12.0, rel=0.2)
     assert spread[1] == pytest.approx(still_spread[1], rel=0.1)
     assert np.abs(center - still_center).max() < 0.1
@@ -123,7 +128,7 @@ def test_a_robot_hides_the_ball_behind_it_and_none_before_it() -> None:
     )  # fmt: skip
     assert np.array_equal(alone, hiding)
     assert changed(showing, alone) == pytest.approx(changed(ball_alone, empty), rel=0.05)
-    camera = pinhole(settings)
+    camera = CameraSetup.from_settings(settings)
     assert visible_share(scene(robot, ball=behind), camera, settings) == 0.0
     assert visible_share(scene(robot, ball=before), camera, settings) == 1.0
 
@@ -134,7 +139,7 @@ def test_the_true_visible_share_is_the_share_of_its_pixels() -> None:
     balls = [(1.111 + 0.012 * step, 0.7) for step in range(10)]
     alone, *shown = render(settings, scene(robot), *(scene(robot, ball=ball) for ball in balls))
     empty, *free = render(settings, scene((-1.0, 0.0)), *(scene((-1.0, 0.0), ball=ball) for ball in balls))
-    shares = [visible_share(scene(robot, ball=ball), pinhole(settings), settings) for ball in balls]
+    shares = [visible_share(scene(robot, ball=ball), CameraSetup.from_settings(settings), settings) for ball in balls]
     assert shares[0] == 0.0
     assert shares[-1] == 1.0
     for share, image, whole in zip(shares, shown, free, strict=True):

@@ -16,7 +16,7 @@ from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes
 from vision_core.models.camera import CameraModel
 from vision_core.models.camera_kernels import camera_map_from
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.ball.reasons import explain_balls
@@ -208,11 +208,11 @@ def test_one_signature(drawn: Picture, place: Place) -> None:
 
 def rendered(settings: Settings, frames: int) -> list[tuple[float, float, float]]:
     """Errors x, y [m] and deviation [m] of wholly visible balls, one frame after the other."""
-    source = open_source(settings, ManualClock(), paced=False)
+    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
-    camera, table = camera_map_from(camera_model_from(settings)), compile_color_table(settings.colors)
+    camera, table = camera_map_from(CameraSetup.from_settings(settings).model), compile_color_table(settings.colors)
     finder = ball_finder(settings, table)
-    pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
+    pixels = CameraSetup.from_settings(settings).black_image()
     segmenter, no_robots = Segmenter(pixels.shape[1], pixels.shape[0], settings.blobs), np.zeros(0, dtype=ROBOT)
     balls, errors = np.zeros(MAX_BALLS, dtype=BALL), []
     for _ in range(frames):

@@ -18,7 +18,8 @@ from vision_core.capture.synthetic.floor import (
     spread,
 )
 from vision_core.geometry import Bytes, Floats, frozen
-from vision_core.models.camera import PinholeCamera
+from vision_core.models.camera import CameraModel
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent, field_lines, goal_line_x
 from vision_core.settings.schema import FieldSettings, Settings, SyntheticSettings
 
@@ -55,17 +56,17 @@ _newest: list[tuple[object, Background]] = []
 """The background that was made last, and for what: a spare that becomes the source has it already."""
 
 
-def make_background(settings: Settings, camera: PinholeCamera) -> Background:
+def make_background(settings: Settings, camera: CameraSetup) -> Background:
     """Render the empty venue, once in a process. The arrays are read-only."""
-    wanted = settings.camera, settings.field, settings.synthetic
+    wanted = camera, settings.field, settings.synthetic
     if not _newest or _newest[0][0] != wanted:
         _newest[:] = [(wanted, _painted(settings, camera))]
     return _newest[0][1]
 
 
-def _painted(settings: Settings, camera: PinholeCamera) -> Background:
-    width, height = settings.camera.width_px, settings.camera.height_px
-    floor = _floor_points(camera, width, height)
+def _painted(settings: Settings, camera: CameraSetup) -> Background:
+    width, height = camera.size_px
+    floor = _floor_points(camera.model, width, height)
     light = _light(settings.synthetic, floor[1:-1, 1:-1])
     venue = _venue(settings)
     lines, arcs = field_lines(settings.field)
@@ -73,7 +74,7 @@ def _painted(settings: Settings, camera: PinholeCamera) -> Background:
     color_floor(
         image,
         floor,
-        np.array(camera.position_m),
+        np.array(camera.model.position_m),
         venue,
         np.array(lines).reshape(-1, 4),
         np.array([(arc.x_m, arc.y_m, arc.radius_m, arc.start_rad, arc.end_rad) for arc in arcs]).reshape(-1, 5),
@@ -84,7 +85,7 @@ def _painted(settings: Settings, camera: PinholeCamera) -> Background:
     return Background(frozen(pixels), frozen(floor), frozen(light))
 
 
-def _floor_points(camera: PinholeCamera, width: int, height: int) -> FloatImage:
+def _floor_points(camera: CameraModel, width: int, height: int) -> FloatImage:
     """Where the rays of pixels -1 .. width, -1 .. height meet the floor.
 
     Removing the lens distortion is an iteration; done at every fourth pixel it is off by less than 0.01 mm

@@ -2,8 +2,6 @@
 
 from functools import cached_property
 
-import numpy as np
-
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.truth import Truth, truth_of
 from vision_core.capture.synthetic.world import Snapshot, World
@@ -11,7 +9,7 @@ from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
 from vision_core.models.camera import PinholeCamera
-from vision_core.models.from_settings import camera_model_from
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
@@ -28,18 +26,17 @@ class SyntheticCamera:
 
     repeats = False
 
-    def __init__(self, settings: Settings, clock: Clock, *, paced: bool) -> None:
-        model = camera_model_from(settings)
-        if not isinstance(model, PinholeCamera):
+    def __init__(self, settings: Settings, camera: CameraSetup, clock: Clock, *, paced: bool) -> None:
+        if not isinstance(camera.model, PinholeCamera):
             raise SourceError(
                 "source.uri = synthetic with camera.model",
-                found=settings.camera.model,
+                found=camera.settings.model,
                 accepted="pinhole: a lens to render",
             )
-        self.rate_hz = settings.camera.rate_hz
+        self.rate_hz = camera.rate_hz
         self.description = f"synthetic, seed {settings.synthetic.seed}"
         self._settings = settings
-        self._model = model
+        self._camera = camera
         self._world = World(settings)
         self.keeper: Keeper = rate_keeper(self.rate_hz, clock, paced=paced)
         self._shown = -1
@@ -47,7 +44,7 @@ class SyntheticCamera:
 
     @cached_property
     def _renderer(self) -> Renderer:
-        return Renderer(self._settings, self._model, self._world.robots_worn)
+        return Renderer(self._settings, self._camera, self._world.robots_worn)
 
     @property
     def truth(self) -> Truth:
@@ -55,13 +52,11 @@ class SyntheticCamera:
         if self._last is None:
             raise SourceError("truth of the synthetic camera", found="no image yet", accepted="a call of grab before")
         instant, scene = self._last
-        return truth_of(instant, scene, self._world.robots_worn, self._model, self._settings)
+        return truth_of(instant, scene, self._world.robots_worn, self._camera, self._settings)
 
     def prepare(self) -> None:
         """Paint what stands still, and load the kernels."""
-        camera = self._settings.camera
-        nothing = np.zeros((camera.height_px, camera.width_px, 3), dtype=np.uint8)
-        self._renderer.draw(nothing, self._world.snapshot())
+        self._renderer.draw(self._camera.black_image(), self._world.snapshot())
 
     def grab(self, pixels: Bytes) -> Instant:
         """Render the next image, as ``Source.grab``; the instant is the middle of its exposure.

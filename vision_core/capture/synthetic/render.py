@@ -13,7 +13,7 @@ from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, Pri
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats
-from vision_core.models.camera import PinholeCamera
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import robots_of
 from vision_core.patterns.loader import Pattern, load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
@@ -41,9 +41,9 @@ RIM = np.column_stack([np.cos(np.arange(8) * math.pi / 4.0), np.sin(np.arange(8)
 class Renderer:
     """Renders for one camera and venue. Making it takes a moment: the empty venue is rendered then."""
 
-    def __init__(self, settings: Settings, camera: PinholeCamera, worn: tuple[tuple[Team, int], ...]) -> None:
-        self._camera = camera
-        self._eye = np.array(camera.position_m)
+    def __init__(self, settings: Settings, camera: CameraSetup, worn: tuple[tuple[Team, int], ...]) -> None:
+        self._camera = camera.model
+        self._eye = np.array(camera.model.position_m)
         self._background = make_background(settings, camera)
         self._noise = SensorNoise(settings.synthetic, self._background.pixels.size)
         exposure_s = settings.synthetic.exposure_ms * 1e-3

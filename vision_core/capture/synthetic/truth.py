@@ -12,7 +12,7 @@ from vision_core.capture.synthetic.sprites import meets_body
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, wrap_angle
-from vision_core.models.camera import CameraModel
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import kernel
 from vision_core.settings.schema import Settings
@@ -57,11 +57,11 @@ class Truth:
 
 
 def truth_of(
-    instant: Instant, scene: Snapshot, worn: tuple[tuple[Team, int], ...], camera: CameraModel, settings: Settings
+    instant: Instant, scene: Snapshot, worn: tuple[tuple[Team, int], ...], camera: CameraSetup, settings: Settings
 ) -> Truth:
     """The truth of a scene; worn: team and marker id of each robot."""
     shapes = _shapes(worn, settings)
-    inside = _tops_inside(scene.robots, shapes, camera, settings)
+    inside = _tops_inside(scene.robots, shapes, camera)
     robots = tuple(
         RobotTruth(team, worn_id, float(body[0]), float(body[1]), wrap_angle(float(body[2])), bool(seen))
         for (team, worn_id), body, seen in zip(worn, scene.robots, inside, strict=True)
@@ -70,16 +70,16 @@ def truth_of(
     return Truth(instant, robots, BallTruth(x, y, visible_share(scene, camera, settings, shapes)))
 
 
-def visible_share(scene: Snapshot, camera: CameraModel, settings: Settings, shapes: Floats | None = None) -> float:
+def visible_share(scene: Snapshot, camera: CameraSetup, settings: Settings, shapes: Floats | None = None) -> float:
     """The share of the ball's disc, as the camera sees it, that is inside the image and not hidden by a robot.
 
     shapes: of the robots, as ``_shapes``; without them all are blue.
     """
     if shapes is None:
         shapes = _shapes([(Team.BLUE, 0)] * len(scene.robots), settings)
-    points = _disc(scene.ball, settings.ball.radius_m, camera.position_m)
-    inside = _in_image(camera.pixel_from_field(points[:, :2], points[:, 2]), settings)
-    clear = clear_points(points, np.array(camera.position_m), scene.robots, shapes)
+    points = _disc(scene.ball, settings.ball.radius_m, camera.model.position_m)
+    inside = _in_image(camera.model.pixel_from_field(points[:, :2], points[:, 2]), camera)
+    clear = clear_points(points, np.array(camera.model.position_m), scene.robots, shapes)
     return float((inside & clear).mean())
 
 
@@ -131,15 +131,15 @@ def _shapes(worn: Sequence[tuple[Team, int]], settings: Settings) -> Floats:
     return np.array(rows, dtype=np.float64).reshape(-1, 4)
 
 
-def _tops_inside(robots: Floats, shapes: Floats, camera: CameraModel, settings: Settings) -> Mask:
+def _tops_inside(robots: Floats, shapes: Floats, camera: CameraSetup) -> Mask:
     turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
     reach = shapes[:, 0] * np.where(shapes[:, 3] > 0.0, math.sqrt(2.0), 1.0)
     rim = reach[:, None, None] * np.column_stack([np.cos(turns), np.sin(turns)])
     points = (robots[:, None, :2] + rim).reshape(-1, 2)
-    pixels = camera.pixel_from_field(points, np.repeat(shapes[:, 2], RIM_POINTS))
-    return np.asarray(_in_image(pixels, settings).reshape(-1, RIM_POINTS).all(axis=1))
+    pixels = camera.model.pixel_from_field(points, np.repeat(shapes[:, 2], RIM_POINTS))
+    return np.asarray(_in_image(pixels, camera).reshape(-1, RIM_POINTS).all(axis=1))
 
 
-def _in_image(pixels: Floats, settings: Settings) -> Mask:
-    size = np.array([settings.camera.width_px, settings.camera.height_px])
+def _in_image(pixels: Floats, camera: CameraSetup) -> Mask:
+    size = np.array(camera.size_px)
     return np.asarray(((pixels >= -0.5) & (pixels <= size - 0.5)).all(axis=1))

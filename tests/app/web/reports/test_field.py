@@ -6,7 +6,8 @@ import pytest
 from app.web.reports.field import STEPS, Outlines, Points, RobotBody, field_from
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, rotation
-from vision_core.models.from_settings import camera_model_from, mirror_from
+from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.from_settings import mirror_from
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
@@ -38,7 +39,7 @@ def test_mirror_table_inverts_the_mirror(settings: Settings) -> None:
 def test_painted_lines_lie_where_the_camera_sees_them(settings: Settings) -> None:
     field = field_from(ServiceInfo("1", Instant(0), "", "", settings))
     assert len(field.painted_px) == len(field.lines) + len(field.arcs)
-    camera = camera_model_from(settings)
+    camera = CameraSetup.from_settings(settings).model
     for line, points in zip(field.lines, field.painted_px, strict=False):
         ends = camera.pixel_from_field(np.array([line[:2], line[2:]]))
         np.testing.assert_allclose([points[0], points[-1]], ends, atol=0.051)
@@ -50,7 +51,7 @@ def sighting(team: Team, x_m: float, y_m: float, heading_rad: float | None) -> R
 
 def from_center(settings: Settings, points: Points, robot: RobotSighting, height_m: float) -> Floats:
     """Points of the picture in the robot's own axes [m]."""
-    places = camera_model_from(settings).field_from_pixel(np.array(points), height_m)
+    places = CameraSetup.from_settings(settings).model.field_from_pixel(np.array(points), height_m)
     return np.asarray((places - (robot.x_m, robot.y_m)) @ rotation(robot.heading_rad or 0.0))
 
 
@@ -91,7 +92,7 @@ def test_a_square_of_unknown_heading_is_the_circle_in_it() -> None:
 def test_obstacles_are_circles_on_the_floor(settings: Settings) -> None:
     thing = ObstacleSighting(0.0, 0.0, 0.3, -0.6, 0.2, 0.7)
     (outline,) = Outlines(settings).of_obstacles([thing])
-    places = camera_model_from(settings).field_from_pixel(np.array(outline))
+    places = CameraSetup.from_settings(settings).model.field_from_pixel(np.array(outline))
     np.testing.assert_allclose(np.hypot(*(places - (0.3, -0.6)).T), 0.2, atol=1e-3)
 
 

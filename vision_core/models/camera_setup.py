@@ -1,0 +1,67 @@
+"""One camera of a venue: its name, picture and rate, and the geometry that follows from its settings.
+
+Everything that depends on a camera takes a ``CameraSetup`` that was built once per process and handed on. No other
+module reads ``settings.camera``, except ``venues.rules``, which checks it. A second camera is then a second setup.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vision_core.geometry import Bytes
+from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
+from vision_core.settings.schema import CameraSettings, Settings
+
+
+@dataclass(frozen=True)
+class CameraSetup:
+    """One camera as the settings describe it. Its geometry is computed when it is first asked for, and kept."""
+
+    settings: CameraSettings
+
+    @classmethod
+    def from_settings(cls, settings: Settings) -> "CameraSetup":
+        """The venue's camera."""
+        return cls(settings.camera)
+
+    @property
+    def name(self) -> str:
+        """Names the camera's records, ``frames/<name>``."""
+        return self.settings.name
+
+    @property
+    def rate_hz(self) -> float:
+        """Images per second that the camera is asked to deliver."""
+        return self.settings.rate_hz
+
+    @property
+    def shutter_delay_ms(self) -> float:
+        """From a change of the light to the grab of the image that shows it."""
+        return self.settings.shutter_delay_ms
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height of an image [px]."""
+        return self.settings.width_px, self.settings.height_px
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Shape of an image's array: (height, width, 3), channels blue, green, red."""
+        return self.settings.height_px, self.settings.width_px, 3
+
+    def black_image(self) -> Bytes:
+        """A new image without light, uint8, shape ``shape``."""
+        return np.zeros(self.shape, dtype=np.uint8)
+
+    @cached_property
+    def model(self) -> CameraModel:
+        """Maps between pixels and field: a pinhole with a lens, or a homography."""
+        camera = self.settings
+        if camera.model == "pinhole":
+            lens = camera.pinhole
+            return PinholeCamera(lens.focal_px, lens.center_px, lens.distortion, lens.position_m, lens.rotation_deg)
+        assert camera.homography is not None  # venues.rules
+        pixels = np.array([point.pixel_px for point in camera.homography.points])
+        places = np.array([point.field_m for point in camera.homography.points])
+        return HomographyCamera(pixels, places, camera.homography.position_m)
