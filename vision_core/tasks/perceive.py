@@ -7,6 +7,7 @@ image that was overwritten meanwhile is thrown away and counted.
 
 import numpy as np
 
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.rtdb.slots import SlotView
