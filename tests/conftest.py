@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+LONG_RUN = 500
+"""Tests."""
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["PSLV_DATA_DIR"] = str(ROOT / ".pslv")  # before anything imports a kernel
 for name in [name for name in os.environ if name.startswith("PSLV_") and name != "PSLV_DATA_DIR"]:
@@ -13,15 +15,16 @@ for name in [name for name in os.environ if name.startswith("PSLV_") and name !=
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiling() -> Iterator[None]:
-    """Compiles the service's kernels beside the first tests, which do not need them."""
+def compiling(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Compiles the service's kernels beside the first tests of a long run; a short run compiles what it uses."""
     from vision_core.native.kernel_cache import kernel_folder
     from vision_core.startup.compile import STEPS, started
     from vision_core.venues.loader import load_settings
 
     folder = kernel_folder()
     folder.mkdir(parents=True, exist_ok=True)
-    processes = [] if list(folder.glob("complete-*")) else [started(step, load_settings()) for step in STEPS]
+    short = request.session.testscollected < LONG_RUN
+    processes = [] if short or list(folder.glob("complete-*")) else [started(step, load_settings()) for step in STEPS]
     for process in processes:
         os.setpriority(os.PRIO_PROCESS, process.pid, 19)
     yield
