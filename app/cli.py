@@ -13,6 +13,7 @@ from app.commands import evaluate, patterns
 from app.commands.bench import bench
 from app.commands.colors import colors_app
 from app.commands.options import ConfigFile, Venue
+from app.commands.restart import restart
 from app.commands.selftest import selftest
 from app.commands.serve import serve
 from app.commands.tasks import tasks
@@ -26,7 +27,7 @@ config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 app.add_typer(config_app, name="config")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
-for command in (serve, tasks, top, selftest, evaluate.evaluate, bench):
+for command in (serve, tasks, top, restart, selftest, evaluate.evaluate, bench):
     app.command()(command)
 console = Console(stderr=True, highlight=False)
 

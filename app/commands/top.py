@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
+from app.commands.running import only_service
 from vision_core.errors import ServiceError
 
 if TYPE_CHECKING:
@@ -17,49 +18,38 @@ if TYPE_CHECKING:
     from vision_core.net.control import Attached
 
 EVERY_S = 0.5
-RATE_OVER = 8
-"""Looks over which a rate is taken: with half a second in between, four seconds."""
+RATE_INTERVALS = 8
+"""Number of intervals of EVERY_S over which a rate is measured: four seconds."""
 
 
 def top(
-    service: Annotated[str | None, typer.Argument(help="Which, when several run: pslv/8000.")] = None,
+    service: Annotated[str | None, typer.Argument(help="Name of the service when several run: pslv/8000.")] = None,
     once: Annotated[bool, typer.Option("--once", help="Print once, after a second, and end.")] = False,
 ) -> None:
     """Show the real-time database of a running service live: item, writer, rate, age, valid (Ctrl-C ends it)."""
     from vision_core.net.control import attach_to
 
-    view = _View(attach_to(service or _the_only_one()))
+    view = _View(attach_to(service or only_service("pslv top")))
     out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-    view.look()
+    view.sample()
     time.sleep(2 * EVERY_S)
-    view.look()
+    view.sample()
     if once or not out.is_terminal:
-        out.print(view.drawn())
+        out.print(view.table())
         return
     try:
-        with Live(view.drawn(), console=out, auto_refresh=False, screen=True) as live:
-            while view.runs():
-                view.look()
-                live.update(view.drawn(), refresh=True)
+        with Live(view.table(), console=out, auto_refresh=False, screen=True) as live:
+            while view.is_running():
+                view.sample()
+                live.update(view.table(), refresh=True)
                 time.sleep(EVERY_S)
     except KeyboardInterrupt:
         return
     raise ServiceError(f"pslv top: {view.name}", found="the service has ended")
 
 
-def _the_only_one() -> str:
-    """The service that runs. Raises ServiceError when there is none, or when there are several."""
-    from vision_core.net.control import running_services
-
-    names = running_services()
-    if len(names) == 1:
-        return names[0]
-    found = f"{len(names)} services that run: {', '.join(names)}" if names else "no service that runs here"
-    raise ServiceError("pslv top", found=found, accepted="the name of one" if names else "pslv serve")
-
-
 class _View:
-    """What is shown."""
+    """The database as a table."""
 
     def __init__(self, attached: "Attached") -> None:
         from vision_core.rtdb import records
@@ -69,17 +59,17 @@ class _View:
         self._readers = {name: attached.store.reader(name) for name in attached.store.specs}
         self._writers = _writers(attached)
         self._processes = records.PROCESSES.reader(attached.store)
-        self._looks: deque[tuple[float, dict[str, int]]] = deque(maxlen=RATE_OVER + 1)
+        self._samples: deque[tuple[float, dict[str, int]]] = deque(maxlen=RATE_INTERVALS + 1)
 
-    def runs(self) -> bool:
+    def is_running(self) -> bool:
         """Does the service still run?"""
         return self._attached.runs()
 
-    def look(self) -> None:
+    def sample(self) -> None:
         """Note how often every record was written."""
-        self._looks.append((time.monotonic(), {name: reader.sequence for name, reader in self._readers.items()}))
+        self._samples.append((time.monotonic(), {name: reader.sequence for name, reader in self._readers.items()}))
 
-    def drawn(self) -> Table:
+    def table(self) -> Table:
         """One line per record, as it is now."""
         from vision_core.clock import MonotonicClock, seconds_between
 
@@ -87,7 +77,7 @@ class _View:
         table = Table("item", "writer", "written", "rate [Hz]", "age", "valid", "bytes", box=None, pad_edge=False)
         for column in ("written", "rate [Hz]", "age", "bytes"):
             next(c for c in table.columns if c.header == column).justify = "right"
-        (first_s, first), (last_s, last) = self._looks[0], self._looks[-1]
+        (first_s, first), (last_s, last) = self._samples[0], self._samples[-1]
         ended = self._ended(now)
         for name, reader in sorted(self._readers.items()):
             if name in ended:
@@ -112,14 +102,16 @@ class _View:
         return table
 
     def _ended(self, now: "Instant") -> set[str]:
-        """Beats of what ran once and is done: it is not expected to live."""
+        """Heartbeat records of processes that ran once and are done: no more heartbeats are expected."""
+        from vision_core.rtdb.process_state import ProcessState
+
         timed = self._processes.read(now)
         rows = timed.value.processes if timed is not None else ()
-        return {f"heartbeat/{row.name}" for row in rows if row.state == "done"}
+        return {f"heartbeat/{row.name}" for row in rows if row.state == ProcessState.DONE}
 
 
 def _writers(attached: "Attached") -> dict[str, str]:
-    """Who writes each record, by the task table of the service's own settings."""
+    """The writer of each record, by the task table of the service's own settings."""
     from vision_core.clock import MonotonicClock
     from vision_core.rtdb import records
     from vision_core.tasks.table import GIVEN, task_table
@@ -128,5 +120,5 @@ def _writers(attached: "Attached") -> dict[str, str]:
     writers = {record: task.name for task in table for record in task.writes}
     for task in table:
         writers |= {f"task/{task.name}": task.name, f"timing/{task.name}": task.name}
-    beats = (name for name in attached.store.specs if name.startswith("heartbeat/"))
-    return dict.fromkeys(GIVEN, "supervisor") | {name: name.partition("/")[2] for name in beats} | writers
+    heartbeats = (name for name in attached.store.specs if name.startswith("heartbeat/"))
+    return dict.fromkeys(GIVEN, "supervisor") | {name: name.partition("/")[2] for name in heartbeats} | writers

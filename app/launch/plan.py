@@ -19,25 +19,24 @@ from vision_core.net.control import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
-from vision_core.scheduling.task import DRIVER, MAX_RUN_S, NONE, Task
+from vision_core.scheduling.task import DRIVER, MAX_RUN_S, NONE, ORDINARY_MAX_RUN_S, Task
 from vision_core.settings.schema import Settings
+from vision_core.startup import COMPILE, PROCESS, SPARE
 from vision_core.tasks.table import COMPILER, record_specs, task_table
 
-PROPOSED = "proposed_settings"
-"""Every process looks at it in its own time; nobody is woken."""
 SPARES = ("spare-1", "spare-2")
-"""No task has such a name: theirs have no dash."""
-SILENCE_S = 0.3
-"""A process that has not beaten for so long is looked at: it beats ten times a second. Beside that"""
-SLOW_SOURCE_S = 6.0
-"""a camera's driver may block so long when the camera is gone,"""
-WEB_S = 0.8
-"""and the page beats less often."""
+"""Names of the warm spares; names of tasks have no dash."""
+HEARTBEAT_S = 0.3
+"""A heartbeat that is older is overdue: a process writes ten a second."""
+BLOCKED_DRIVER_S = 6.0
+"""Added for a camera: its driver may block for this long when the camera is gone."""
+OWN_LOOP_S = 0.8
+"""Added for a process with a loop of its own, which writes fewer heartbeats."""
 SHORT_RUN_S = 1.0
-"""Every task may compute for so long, whatever its period and budget are."""
+"""Every real-time task may compute for this long, whatever its period and budget are."""
 BACKLOG = 128
 ROOM_FOR_ADDRESSES = 1024
-"""In the record of the service, beside the settings [bytes]."""
+"""Left in the service's record beside the settings [bytes]."""
 
 
 def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, ServiceInfo]:
@@ -57,7 +56,7 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
     tasks = task_table(settings)
     children = (_compiler(), *_child_plans(tasks, settings))
-    beating = (*(child.name for child in children), *SPARES)
+    with_heartbeat = (*(child.name for child in children), *SPARES)
     boot = time.monotonic_ns()
     info = ServiceInfo(
         version=version,
@@ -68,12 +67,13 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
     )
     plan = ServicePlan(
         children=children,
-        records=record_specs(settings, tasks, beating),
+        records=record_specs(settings, tasks, with_heartbeat),
         initial={"service": records.SERVICE.encode(info)},
         sockets={"http": http, "main": main, "session": session},
         boot=boot,
         spares=SPARES,
         control=f"{PREFIX}{http.getsockname()[1]}",
+        spare_module=SPARE,
     )
     return plan, info
 
@@ -96,7 +96,7 @@ def _compiler() -> ChildPlan:
     """Runs once, before everything that needs compiled kernels."""
     return ChildPlan(
         name=COMPILER,
-        module="vision_core.startup.compile",
+        module=COMPILE,
         wakes=(),
         writes=(),
         sockets=(),
@@ -115,31 +115,45 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
         own_loop = ours[0].trigger == NONE
         yield ChildPlan(
             name=process,
-            module=ours[0].module if own_loop else "vision_core.startup.process",
+            module=ours[0].module if own_loop else PROCESS,
             wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
             writes=tuple(record for task in ours for record in task.writes),
             sockets=tuple(name for task in ours for name in task.sockets),
             after_compile=any(task.needs_kernels for task in ours),
             once=False,
-            heartbeat_s=SILENCE_S + max(_slack_s(task, settings) for task in ours),
-            longest_run_s=min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in ours)), MAX_RUN_S),
+            heartbeat_s=HEARTBEAT_S + max(_slack_s(task, settings) for task in ours),
+            longest_run_s=_longest_run_s(ours),
+            real_time=any(task.priority for task in ours),
         )
 
 
 def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:
-    """Records whose writing releases a task: a driver's task waits for what other tasks tell it."""
+    """Records whose writing releases a task; a driver's task waits for whatever other tasks write for it.
+
+    Every process reads ``proposed_settings`` in its own time: that record releases none.
+    """
     written = {record for other in tasks if other != task for record in other.writes}
     if task.trigger == DRIVER:
-        return tuple(record for record in task.reads if record in written and record != PROPOSED)
+        return tuple(record for record in task.reads if record in written and record != records.PROPOSED.name)
     return (task.trigger,) if task.trigger in written else ()
 
 
+def _longest_run_s(tasks: Sequence[Task]) -> float:
+    """How much processor time a process may use between two heartbeats before it is taken for hung [s].
+
+    An ordinary process that computes for long delays nothing, so its limit is generous.
+    """
+    if not any(task.priority for task in tasks):
+        return ORDINARY_MAX_RUN_S
+    return min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in tasks)), MAX_RUN_S)
+
+
 def _slack_s(task: Task, settings: Settings) -> float:
-    """How long a healthy process may be silent because of a task, beside SILENCE_S."""
+    """How much longer than HEARTBEAT_S a healthy process may take between two heartbeats because of a task [s]."""
     if task.trigger == NONE:
-        return WEB_S
+        return OWN_LOOP_S
     if task.trigger == DRIVER and is_device(settings):
-        return SLOW_SOURCE_S
+        return BLOCKED_DRIVER_S
     return 0.0
 
 

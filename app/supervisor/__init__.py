@@ -1,24 +1,25 @@
 """The supervisor: a small process that starts all others and outlives them.
 
-Theory of operation. ``pslv serve`` lays out a plan (``plan``), and this package carries it out: it makes the
-shared memory and the events, takes the sockets that were opened for it, starts one process per line of the task
-table and hands each what it needs. Then it waits: for the end of a child (a pidfd tells at once), for a beat that
-stays away, for a request, for a signal. A child that ends without having been asked is replaced, at once when it
-has lived for a while and with a growing delay when it falls again and again; five ends within a minute disable it,
-and that is said. Since memory and sockets belong to the supervisor, the others notice nothing but a silence. When
-the supervisor itself is killed, the kernel kills its children, and the memory goes with them.
+Theory of operation. ``pslv serve`` makes a plan (``plan``), and this package carries it out: it makes the shared memory
+and the events, takes the sockets that were opened for it, starts one process per process of the task table and passes
+each its resources. Then it waits for the end of a child (a pidfd reports it at once), an overdue heartbeat, a request,
+or a signal. A child that ends unasked is started again: at once when it ran for a while, with a growing delay when it
+crashes repeatedly. Five crashes within a minute disable it; the page, /readyz and the log report that, and ``pslv
+restart NAME`` starts it again. Since memory and sockets belong to the supervisor, the other processes notice only that
+its records are not written for a while. When the supervisor itself is killed, the kernel kills its children, and the
+memory is released with them.
 
-Starting Python with all that a child needs takes seconds. So there are warm spares: processes that have loaded
-everything, and become whichever child is missing when they are told which; until that works they go before ordinary
-work. A new spare is made when all is quiet.
+Starting Python with everything that a child needs takes seconds. So there are warm spares: processes that have loaded
+everything and become the child that the supervisor names. A spare runs before ordinary processes until its first
+heartbeat in the new place. A new spare is started when no other process is starting.
 
-The supervisor itself only waits, so it may ask for the highest real-time priority: load delays no restart. When it was
-delayed all the same, the machine stood still, and a child's silence is counted from then on only. Nor does a child
-hang that only waits for a processor.
+The supervisor only waits, so it may have the highest real-time priority: load delays no restart. When its own loop was
+late all the same, the whole machine stood still, and heartbeats are expected from then on only. A process that computes
+or waits for a processor is not hung: a real-time one may compute for its period, an ordinary one for half a minute.
 
 Rules: standard library only; it never decodes what the tasks write, and never imports a stage.
 
-Files, outside-in: ``service`` (the loop), ``control`` (the socket for requests), ``spares`` (the warm ones),
-``child`` (one process), ``vitals`` (is it stuck or starved?), ``priorities`` (who goes first),
-``plan`` (what to start).
+Files, outside-in: ``supervisor`` (the loop), ``control`` (the socket for requests), ``spares`` (warm spares), ``child``
+(one process), ``lifecycle`` (its states and transitions), ``vitals`` (is it hung?), ``priorities`` (which process runs
+first), ``plan`` (what to start).
 """

@@ -1,6 +1,5 @@
 """One process of the service: start, watch, end, start again."""
 
-import json
 import os
 import signal
 import subprocess
@@ -8,62 +7,66 @@ import sys
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.supervisor.lifecycle import Change, next_state
 from app.supervisor.plan import ChildPlan
 from app.supervisor.priorities import hurry, hurry_to_end, settle
 from app.supervisor.vitals import Silence, silence_of
 from vision_core.clock import NS_PER_S
+from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.slots import SlotReader
-from vision_core.scheduling.attachment import VARIABLE, ChildResources
+from vision_core.scheduling.attachment import VARIABLE, Become, ChildResources
 
 CRASHES_TO_DISABLE = 5
 CRASH_WINDOW_S = 60.0
 STEADY_S = 5.0
-"""A process that has lived for so long is replaced at once, whatever ended it; one that has not"""
+"""A process that ran for at least this long is started again at once when it ends."""
 FIRST_DELAY_S = 0.25
-"""the second time after this, and each further time after twice as long."""
+"""A process that crashes twice in a row, each time sooner than STEADY_S after its start, waits for this long before the
+next start; the delay doubles with every further crash in a row."""
+MAX_DELAY_S = 30.0
 START_PATIENCE_S = 60.0
-"""A process that has not beaten once by then is taken for hung; a machine under load is slow to import."""
+"""A process without a first heartbeat after this time is hung; under load, imports take long."""
 WARM_PATIENCE_S = 10.0
-"""The same for a spare that has taken a place: it has everything, but may have to open a camera."""
+"""The same for a warm spare that has taken a place: its imports are done, but it may have to open a camera."""
 MAX_DETAIL = 200
-SETTLED = ("running", "done", "disabled")
-"""States of a child that nobody waits for."""
 
 
 @dataclass(slots=True)
 class Child:
-    """A process and its history. A warm spare is one as well: it takes orders."""
+    """A process and its history. A warm spare is one as well: it waits for instructions on its standard input."""
 
     plan: ChildPlan
     resources: ChildResources
     heartbeat: SlotReader
     arguments: tuple[str, ...] = ()
     inherits: tuple[int, ...] = ()
-    """Descriptors to pass on beside those that it is told of."""
-    takes_orders: bool = False
-    """Its standard input is a pipe."""
-    state: str = "waiting"
+    """Descriptors that it inherits beside those of its resources."""
+    is_spare: bool = False
+    """Its standard input is a pipe, through which it learns which process to become."""
+    state: ProcessState = ProcessState.WAITING
     detail: str = ""
     restarts: int = 0
     process: subprocess.Popen[bytes] | None = None
     pidfd: int | None = None
     started: int = 0
     patience_s: float = START_PATIENCE_S
-    """For the first beat."""
+    """For the first heartbeat."""
+    hurried: bool = False
+    """``priorities.hurry`` gave it precedence, which ends with its first heartbeat."""
     last_heartbeat: int = 0
-    """When it last said that it lives [ns]; 0: not since its start."""
+    """Time of its newest heartbeat [ns]; 0: none since its start."""
     silence: Silence | None = None
-    """Its beat has stayed away for too long."""
+    """What it does while its heartbeat is overdue; None while it is not."""
     killed: bool = False
-    """It did not answer and was sent SIGKILL."""
+    """It was hung and was sent SIGKILL."""
     due: int = 0
-    """When to start again [ns]."""
-    ends: list[int] = field(default_factory=list)
-    """When it ended without having been asked [ns], over the last minute."""
+    """When to start it again [ns]."""
+    crashes: list[int] = field(default_factory=list)
+    """Times of its crashes over the last minute [ns], as far as they count towards disabling it."""
     ended: int = 0
-    """When it last did."""
+    """Time of its last end [ns]."""
     consecutive_crashes: int = 0
-    """How often in a row it did so soon after its start."""
+    """Crashes in a row that came sooner than STEADY_S after the start."""
 
     @property
     def pid(self) -> int | None:
@@ -80,7 +83,7 @@ class Child:
         }
 
     def start(self, now: int) -> None:
-        """Start the process; that the machine has no room for it counts as its end."""
+        """Start the process. When the machine cannot start it, that counts as a crash."""
         self.started = now
         environment = os.environ | {VARIABLE: self.resources.encode(), "PYTHONUNBUFFERED": "1"}
         try:
@@ -88,36 +91,37 @@ class Child:
                 [sys.executable, "-m", self.plan.module, *self.arguments],
                 env=environment,
                 pass_fds=(*self.resources.descriptors(), *self.inherits),
-                stdin=subprocess.PIPE if self.takes_orders else subprocess.DEVNULL,
+                stdin=subprocess.PIPE if self.is_spare else subprocess.DEVNULL,
                 stdout=subprocess.PIPE if self.plan.once else None,
                 bufsize=0,
                 process_group=0,  # a Ctrl-C at the terminal reaches the supervisor alone
             )
         except OSError as error:
-            self._failed(now, f"could not be started: {error.strerror}")
+            self._crashed(now, f"could not be started: {error.strerror}")
             return
         self._adopt(process, os.pidfd_open(process.pid), now, START_PATIENCE_S)
 
     def hand_over(self, child: "Child", now: int) -> bool:
-        """Have the process of this spare take a child's place; False when it does not take the order."""
+        """Let this spare's process become another child; False when the spare cannot be told to."""
         assert self.process is not None
         assert self.process.stdin is not None
         assert self.pidfd is not None
-        order = json.dumps({"module": child.plan.module, "handed": child.resources.encode()}).encode() + b"\n"
+        hurried = hurry(self.process.pid)
+        become = Become(child.plan.module, child.resources, hurried=hurried).encode()
         pipe = self.process.stdin.fileno()
         os.set_blocking(pipe, False)
-        hurry(self.process.pid)
         try:
-            taken = os.write(pipe, order) == len(order)
-        except OSError:  # it has just ended
-            taken = False
-        if not taken:
+            written = os.write(pipe, become) == len(become)
+        except OSError:  # the spare has just ended
+            written = False
+        if not written:
             self.signal(signal.SIGKILL)
             return False
         self.process.stdin.close()
         child._adopt(self.process, self.pidfd, now, WARM_PATIENCE_S)
+        child.hurried = hurried
         self.process = self.pidfd = None
-        self.state = "waiting"
+        self._change(Change.HANDED_OVER)
         return True
 
     def has_ended(self) -> bool:
@@ -125,35 +129,43 @@ class Child:
         return self.process is not None and self.process.poll() is not None
 
     def reap(self, now: int) -> None:
-        """Note the end of a process and plan what follows."""
+        """Note the end of the process and plan what follows.
+
+        A process that was killed because it was hung does not come closer to being disabled unless it is a real-time
+        process: an ordinary one may have been slow because the machine is overloaded.
+        """
         assert self.process is not None
-        status = self.process.returncode
-        self._forget()
+        status, killed = self.process.returncode, self.killed
+        self._release()
         if self.plan.once and status == 0:
-            self.state = "done"
+            self._change(Change.FINISHED)
             return
-        self._failed(now, f"ended with {_in_words(status)}")
+        how = "was killed because it did not answer" if killed else f"ended with {_in_words(status)}"
+        self._crashed(now, how, counts=self.plan.real_time or not killed)
 
     def re_enable(self, now: int) -> None:
-        """Try a disabled process again, as if it had never ended."""
-        self.ends.clear()
+        """Start a disabled process again, with its crashes forgotten."""
+        self.crashes.clear()
         self.consecutive_crashes = 0
-        self.state, self.due, self.ended = "restarting", now, now
+        self._change(Change.RE_ENABLED)
+        self.due = self.ended = now
         self.restarts += 1
 
-    def note_heartbeat(self) -> None:
-        """See when it last said that it lives. The first time tells that it runs."""
+    def read_heartbeat(self) -> None:
+        """Read the time of its newest heartbeat; the first one means that the process runs."""
         view = self.heartbeat.view()
         if view is not None and view.written >= self.started:
             self.last_heartbeat = view.written
-            if self.state == "starting" and self.pid is not None:
-                settle(self.pid)
-                self.state = "running"
+            if self.state == ProcessState.STARTING and self.pid is not None:
+                if self.hurried:
+                    settle(self.pid)
+                self._change(Change.HEARTBEAT)
 
     def is_hung(self, now: int, watched: int) -> bool:
-        """Does it hang? watched: since when a beat that stays away would have been noticed [ns].
+        """Is the process hung? watched: since when the supervisor would have noticed a missing heartbeat [ns].
 
-        Who computes, or waits for a processor, does not before it has had its time of the processor.
+        A process with an overdue heartbeat is not hung while it computes or waits for a processor, until it has used
+        ``longest_run_s`` of processor time.
         """
         if self.pid is None or (overdue_at := self.overdue_at(watched)) is None:
             return False
@@ -165,14 +177,14 @@ class Child:
         return self.silence.is_hung(self.pid, now, self.plan.longest_run_s if self.last_heartbeat else self.patience_s)
 
     def overdue_at(self, watched: int) -> int | None:
-        """When its silence is too long, if it goes on [ns]; None when nothing is expected of it."""
+        """When its next heartbeat is overdue [ns]; None when no heartbeat is expected."""
         if self.pid is None or self.killed or (self.plan.once and self.last_heartbeat):
             return None
         patience_s = self.plan.heartbeat_s if self.last_heartbeat else self.patience_s
         return max(self.last_heartbeat, self.started, watched) + round(patience_s * NS_PER_S)
 
     def kill(self) -> None:
-        """End it, since it hangs."""
+        """End the process because it is hung."""
         if self.pid is not None:
             self.signal(signal.SIGKILL)
             hurry_to_end(self.pid)
@@ -188,32 +200,38 @@ class Child:
         if self.process is not None:
             self.signal(signal.SIGKILL)
             self.process.wait()
-            self._forget()
-        self.state = "stopped"
+            self._release()
+        self._change(Change.STOPPED)
 
     def _adopt(self, process: subprocess.Popen[bytes], pidfd: int, now: int, patience_s: float) -> None:
+        """Begin a new life with a process."""
+        self._change(Change.STARTED)
         self.process, self.pidfd = process, pidfd
         self.started, self.patience_s = now, patience_s
-        self.last_heartbeat, self.silence, self.killed = 0, None, False
-        self.state = "starting"
+        self.last_heartbeat, self.silence, self.killed, self.hurried = 0, None, False, False
 
-    def _failed(self, now: int, how: str) -> None:
-        """It ended: now, or later, or never again."""
-        self.ends = [end for end in self.ends if now - end < CRASH_WINDOW_S * NS_PER_S] + [now]
-        self.ended = now
-        self.state, self.detail = "disabled", how
-        if self.plan.once:
-            return
-        if len(self.ends) >= CRASHES_TO_DISABLE:
-            self.detail = f"{len(self.ends)} ends within a minute, the last {how.removeprefix('ended ')}"
+    def _crashed(self, now: int, how: str, *, counts: bool = True) -> None:
+        """Decide what follows a crash: a start now, a start later, or none. counts: towards disabling the process."""
+        self.crashes = [crash for crash in self.crashes if now - crash < CRASH_WINDOW_S * NS_PER_S]
+        if counts:
+            self.crashes.append(now)
+        self.ended, self.detail = now, how
+        if self.plan.once or len(self.crashes) >= CRASHES_TO_DISABLE:
+            if not self.plan.once:
+                self.detail = f"{len(self.crashes)} crashes within a minute; the last time it {how}"
+            self._change(Change.GIVEN_UP)
             return
         self.consecutive_crashes = self.consecutive_crashes + 1 if now - self.started < STEADY_S * NS_PER_S else 0
         delay_s = FIRST_DELAY_S * 2.0 ** (self.consecutive_crashes - 2) if self.consecutive_crashes > 1 else 0.0
-        self.due = now + int(delay_s * NS_PER_S)
-        self.state = "restarting"
+        self.due = now + int(min(delay_s, MAX_DELAY_S) * NS_PER_S)
+        self._change(Change.CRASHED)
         self.restarts += 1
 
-    def _forget(self) -> None:
+    def _change(self, change: Change) -> None:
+        self.state = next_state(self.state, change)
+
+    def _release(self) -> None:
+        """Close the descriptors of a process that has ended."""
         if self.process is not None:
             for pipe in (self.process.stdin, self.process.stdout):
                 if pipe is not None:

@@ -1,8 +1,8 @@
-"""The socket for requests: who may look at the database, and what is asked of the supervisor.
+"""The control socket: requests to look at the database, and requests to the supervisor.
 
 An abstract Unix socket, which vanishes with the process. A connection carries one request and its answer, a line of
-JSON each; the answer to {"do": "attach"} brings the database's descriptor with it. Only the same user and root are
-answered, and nobody can make the supervisor wait: what is not said within a second is not heard.
+JSON each; the answer to {"do": "attach"} carries the database's descriptor. Only the same user and root are answered.
+The supervisor never waits for a peer: a connection that takes longer than a second is closed.
 """
 
 import contextlib
@@ -18,9 +18,9 @@ from vision_core.errors import ServiceError
 from vision_core.net.unix_peers import process_and_user
 
 Answer: TypeAlias = tuple[dict[str, Any], tuple[int, ...]]
-"""A table to tell, and descriptors to send along."""
+"""An answer's JSON object, and the descriptors that go with it."""
 MAX_CONNECTIONS = 4
-"""That are heard at the same time; others wait for their turn."""
+"""Open at the same time; more wait in the backlog."""
 BACKLOG = 16
 PATIENCE_S = 1.0
 MAX_REQUEST = 4096
@@ -30,14 +30,14 @@ MAX_REQUEST = 4096
 class _Connection:
     peer: socket.socket
     deadline: int
-    heard: bytes = b""
+    received: bytes = b""
 
 
 class ControlSocket:
-    """Listens for requests and has them answered, without ever waiting."""
+    """Receives requests and sends answers, without ever waiting."""
 
     def __init__(self, name: str, answer: Callable[[object], Answer]) -> None:
-        """answer: what to say to a request. Raises ServiceError when the name is taken."""
+        """answer: makes the answer to a request. Raises ServiceError when the name is taken."""
         self._answer = answer
         self._open: dict[int, _Connection] = {}
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -52,20 +52,20 @@ class ControlSocket:
         self._listener.listen(BACKLOG)
 
     def descriptors(self) -> Iterator[int]:
-        """What to wait for: readable means that ``serve`` has something to do."""
+        """Descriptors to wait for: when one is readable, call ``serve``."""
         if len(self._open) < MAX_CONNECTIONS:
             yield self._listener.fileno()
         yield from self._open
 
     def serve(self, descriptor: int, now: int) -> None:
-        """Go on with what a descriptor has to say; one that is none of ours is left alone."""
+        """Accept or read from a readable descriptor; one that is not of this socket is ignored."""
         if descriptor == self._listener.fileno():
             self._accept(now)
         elif descriptor in self._open:
-            self._hear(descriptor)
+            self._receive(descriptor)
 
-    def hang_up(self, now: int) -> None:
-        """Close connections that have taken too long."""
+    def close_slow(self, now: int) -> None:
+        """Close connections that have passed their deadline."""
         for descriptor in [fd for fd, connection in self._open.items() if now > connection.deadline]:
             self._open.pop(descriptor).peer.close()
 
@@ -79,7 +79,7 @@ class ControlSocket:
     def _accept(self, now: int) -> None:
         try:
             peer, _ = self._listener.accept()
-        except OSError:  # it has changed its mind
+        except OSError:  # the peer has closed it already
             return
         peer.setblocking(False)
         if process_and_user(peer)[1] in (os.geteuid(), 0):
@@ -87,18 +87,18 @@ class ControlSocket:
         else:
             peer.close()
 
-    def _hear(self, descriptor: int) -> None:
-        """Take what was said; answer when it is a whole line."""
+    def _receive(self, descriptor: int) -> None:
+        """Read from a connection; answer and close it when a whole line has come."""
         connection = self._open[descriptor]
         try:
-            said = connection.peer.recv(MAX_REQUEST)
+            chunk = connection.peer.recv(MAX_REQUEST)
         except BlockingIOError:
             return
         except OSError:
-            said = b""
-        connection.heard += said
-        line, end, _ = connection.heard.partition(b"\n")
-        if said and not end and len(line) <= MAX_REQUEST:
+            chunk = b""
+        connection.received += chunk
+        line, end, _ = connection.received.partition(b"\n")
+        if chunk and not end and len(line) <= MAX_REQUEST:
             return
         if end:
             with contextlib.suppress(OSError):
@@ -106,14 +106,14 @@ class ControlSocket:
         self._open.pop(descriptor).peer.close()
 
     def _reply(self, peer: socket.socket, line: bytes) -> None:
-        """What does not fit into the socket's buffer at once is lost: nobody is waited for."""
+        """Send the answer; what does not fit into the socket's buffer at once is lost."""
         table, descriptors = self._answer(_decoded(line))
         text = json.dumps(table).encode() + b"\n"
         socket.send_fds(peer, [text], descriptors)
 
 
 def _decoded(line: bytes) -> object:
-    """A request; None when it is none."""
+    """The request; None when it is not valid JSON."""
     try:
         return json.loads(line)
     except (ValueError, RecursionError):

@@ -12,19 +12,32 @@ class ChildPlan:
 
     name: str
     module: str
+    """Its main module, for ``python -m``."""
     wakes: tuple[str, ...]
     """Records whose writing raises its event."""
     writes: tuple[str, ...]
+    """Records that it writes."""
     sockets: tuple[str, ...]
+    """Sockets that it inherits, by name."""
     after_compile: bool
-    """Started when the process that runs once has ended well."""
+    """It is started when the process that runs once has ended well."""
     once: bool
+    """It ends by itself, and all others wait for it."""
     heartbeat_s: float
-    """When its last beat is older, it is killed if it is stopped or sleeps on,"""
+    """A heartbeat that is older is overdue: the process is killed if it is stopped or sleeps."""
     longest_run_s: float
-    """or has computed for so long since then [s of the processor's time]."""
+    """A process with an overdue heartbeat that computes is killed after this much processor time [s]."""
+    real_time: bool = False
+    """It runs tasks with real-time priority. An ordinary process is not disabled for being killed as hung."""
     spared: bool = True
     """A warm spare may take its place."""
+    purpose: str = ""
+    """What it does, for a person: "finds robots and ball"."""
+
+    @property
+    def title(self) -> str:
+        """Its name in a message: "perceive (finds robots and ball)"."""
+        return f"{self.name} ({self.purpose})" if self.purpose else self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +50,12 @@ class ServicePlan:
     initial: dict[str, bytes]
     """First values of records that the supervisor writes."""
     sockets: dict[str, socket.socket]
+    """Sockets that were opened for the children, by name."""
     boot: int
     """Start of the service [ns of CLOCK_MONOTONIC]."""
     spares: tuple[str, ...]
-    """Names of the processes that are kept warm."""
+    """Names of the warm spares."""
     control: str
     """Name of the abstract socket for requests, without the leading NUL: "pslv/8000"."""
-    spare_module: str = "vision_core.startup.spare"
-    """What a warm spare runs until it is needed; see there for what is asked of it."""
+    spare_module: str
+    """Main module of a warm spare; ``vision_core.startup.spare`` says what it must do."""

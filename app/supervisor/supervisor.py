@@ -11,12 +11,13 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from app.supervisor.child import SETTLED, Child
+from app.supervisor.child import Child
 from app.supervisor.control import Answer, ControlSocket
 from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.priorities import go_first
 from app.supervisor.spares import Spares, spare_plans
 from vision_core.clock import NS_PER_S
+from vision_core.rtdb.process_state import SETTLED, ProcessState
 from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.store import Store, create_block
 from vision_core.scheduling.attachment import HEARTBEAT, ChildResources, monotonic, name_process
@@ -24,47 +25,47 @@ from vision_core.scheduling.attachment import HEARTBEAT, ChildResources, monoton
 TICK_S = 0.1
 MIN_TICK_S = 0.02
 LATE_S = 0.1
-"""A turn that comes so much later than was planned: the machine stood still, not the children."""
+"""A turn of the loop that is later than this means that the whole machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
 STOP_PATIENCE_S = 1.5
-"""Children that have not ended by then after SIGTERM are killed; the service stops within 3 s."""
+"""Time that children have to end after SIGTERM before they are killed; the service stops within 3 s."""
 
 
 class Supervisor:
-    """Starts the plan's processes, keeps them alive, and ends them."""
+    """Starts the processes of a plan, starts them again when they end, and stops them."""
 
-    def __init__(self, plan: ServicePlan, tell: Callable[[str], None], progress: Callable[[str], None]) -> None:
-        """tell: one line of news; progress: how far the process that runs once is, and "" when it is done.
+    def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None]) -> None:
+        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done.
 
         Raises ServiceError when the control socket's name is taken.
         """
         self._plan = plan
-        self._tell = tell
+        self._log = log
         self._progress = progress
         self._control = ControlSocket(plan.control, self._answer)
         self._block = create_block(plan.records)
-        self._to_look_at = os.open(f"/proc/self/fd/{self._block}", os.O_RDONLY | os.O_CLOEXEC)
+        self._read_only_block = os.open(f"/proc/self/fd/{self._block}", os.O_RDONLY | os.O_CLOEXEC)
         self._store = Store(plan.records, self._block)
         for name, value in plan.initial.items():
             self._store.writer(name).write(value, monotonic(), monotonic())
         self._events = {child.name: os.eventfd(0, os.EFD_NONBLOCK) for child in plan.children if child.wakes}
         self._processes = self._store.writer("processes")
-        self.children = [Child(child, self._handed(child), self._heartbeat(child)) for child in plan.children]
+        self.children = [Child(child, self._resources(child), self._heartbeat(child)) for child in plan.children]
         self.spares = Spares([self._spare(spare) for spare in spare_plans(plan)])
-        self._everybody = (*self.children, *self.spares.all)
+        self._all = (*self.children, *self.spares.all)
         self._woken, self._wake = socket.socketpair()
         self._woken.setblocking(False)
         self._wake.setblocking(False)
         self._stopping = False
         self._failed = False
         self._complete = False
-        self._turned = self._watched = time.monotonic_ns()
-        """The newest turn, and since when turns came in time [ns]."""
-        self._told: tuple[bytes, int] = b"", 0
+        self._last_turn = self._on_time_since = time.monotonic_ns()
+        """The last turn of the loop, and since when no turn was late [ns]."""
+        self._published: tuple[bytes, int] = b"", 0
         """The newest table of processes, and when it was written [ns]."""
 
     def run(self) -> int:
-        """Run until SIGINT or SIGTERM; returns the exit status."""
+        """Run until SIGINT or SIGTERM. Returns the exit status of the service."""
         previous = {number: signal.signal(number, self._stop) for number in (signal.SIGINT, signal.SIGTERM)}
         wakeup = signal.set_wakeup_fd(self._wake.fileno(), warn_on_full_buffer=False)
         try:
@@ -79,37 +80,37 @@ class Supervisor:
         finally:
             signal.set_wakeup_fd(wakeup)
             self._shut_down()
-            self._tell("stopped")
+            self._log("stopped")
             for number, handler in previous.items():
                 signal.signal(number, handler)
         return 2 if self._failed else 0
 
     def _turn(self) -> None:
-        """Wait for something to happen, and do what follows from it."""
+        """Wait for an event or the next check, and handle it."""
         tick_s = self._tick_s()
         self._wait(tick_s)
         now = time.monotonic_ns()
-        if now - self._turned > (tick_s + LATE_S) * NS_PER_S:
-            self._watched = now
-        self._turned = now
-        for child in self._everybody:
-            self._look_after(child, now)
+        if now - self._last_turn > (tick_s + LATE_S) * NS_PER_S:
+            self._on_time_since = now
+        self._last_turn = now
+        for child in self._all:
+            self._check(child, now)
         for child in self.children:
-            if child.state == "restarting" and now >= child.due:
+            if child.state == ProcessState.RESTARTING and now >= child.due:
                 self._replace(child, now)
         if not self._complete and all(child.state in SETTLED for child in self.children):
             self._complete = True
-            self._tell("ready")
+            self._log("ready")
         if self._complete:
             self.spares.refill(self.children, now)
-        self._control.hang_up(now)
+        self._control.close_slow(now)
         self._publish(now)
 
     def _tick_s(self) -> float:
-        """How long nothing needs a look [s]: until a silence is too long, or a replacement is due."""
-        looks = [overdue for child in self._everybody if (overdue := child.overdue_at(self._watched)) is not None]
-        looks += [child.due for child in self.children if child.state == "restarting"]
-        left_s = (min(looks) - self._turned) / NS_PER_S if looks else TICK_S
+        """Time until the next check [s]: until a heartbeat is overdue or a start is due."""
+        checks = [overdue for child in self._all if (overdue := child.overdue_at(self._on_time_since)) is not None]
+        checks += [child.due for child in self.children if child.state == ProcessState.RESTARTING]
+        left_s = (min(checks) - self._last_turn) / NS_PER_S if checks else TICK_S
         return min(max(left_s, MIN_TICK_S), TICK_S)
 
     def _wait(self, tick_s: float) -> None:
@@ -117,7 +118,7 @@ class Supervisor:
         poller.register(self._woken, select.POLLIN)
         for descriptor in self._control.descriptors():
             poller.register(descriptor, select.POLLIN)
-        for child in self._everybody:
+        for child in self._all:
             if child.pidfd is not None:
                 poller.register(child.pidfd, select.POLLIN)
             if child.process is not None and child.process.stdout is not None:
@@ -127,9 +128,9 @@ class Supervisor:
                 with contextlib.suppress(BlockingIOError):
                     self._woken.recv(64)
             self._control.serve(descriptor, time.monotonic_ns())
-            self._hear_progress(descriptor)
+            self._read_progress(descriptor)
 
-    def _hear_progress(self, descriptor: int) -> None:
+    def _read_progress(self, descriptor: int) -> None:
         for child in self.children:
             pipe = child.process.stdout if child.process is not None else None
             if pipe is not None and pipe.fileno() == descriptor:
@@ -138,42 +139,43 @@ class Supervisor:
                     child.detail = text.splitlines()[-1]
                     self._progress(child.detail)
 
-    def _look_after(self, child: Child, now: int) -> None:
-        """Take note of an end or a first beat, and end what hangs."""
+    def _check(self, child: Child, now: int) -> None:
+        """Note the end or the first heartbeat of a process, and kill it when it is hung."""
         if child.has_ended():
             child.reap(now)
             if child.plan.once:
                 self._compiled(child, now)
             else:
-                self._tell(f"{child.plan.name} {child.detail}: {child.state}")
+                self._log(f"{child.plan.title} {child.detail}: {_consequence(child)}")
         elif child.process is not None:
-            was_starting = child.state == "starting"
-            child.note_heartbeat()
-            if was_starting and child.state == "running" and child.ended and child in self.children:
-                self._tell(
-                    f"{child.plan.name} runs again after {(child.last_heartbeat - child.ended) / NS_PER_S:.2f} s"
+            was_starting = child.state == ProcessState.STARTING
+            child.read_heartbeat()
+            if was_starting and child.state == ProcessState.RUNNING and child.ended and child in self.children:
+                self._log(
+                    f"{child.plan.title} runs again after {(child.last_heartbeat - child.ended) / NS_PER_S:.2f} s"
                 )
-            if child.is_hung(now, self._watched):
-                self._tell(f"{child.plan.name} does not answer and is killed")
+            if child.is_hung(now, self._on_time_since):
+                self._log(f"{child.plan.title} does not answer and is killed")
                 child.kill()
 
     def _stop_without_compiler(self, child: Child) -> None:
-        """Nothing can follow what runs once, when that could not even be started."""
+        """End the service when the process that runs once could not be started."""
         if child.plan.once and child.process is None:
             self._compiled(child, time.monotonic_ns())
 
     def _replace(self, child: Child, now: int) -> None:
-        """Start a child again: with a warm spare if there is one."""
+        """Start a child again: from a warm spare if one is ready."""
         spare = self.spares.take_place(child, now)
         if spare is None:
             child.start(now)
         else:
-            self._tell(f"{spare.plan.name} takes the place of {child.plan.name}")
+            self._log(f"{spare.plan.name} takes the place of {child.plan.title}")
 
     def _compiled(self, child: Child, now: int) -> None:
+        """Start the other processes when the one that runs once has ended well; end the service when it failed."""
         self._progress("")
-        if child.state != "done":
-            self._tell(f"{child.plan.name} {child.detail}: the service cannot start")
+        if child.state != ProcessState.DONE:
+            self._log(f"{child.plan.name} {child.detail}: the service cannot start")
             self._failed = self._stopping = True
             return
         for other in self.children:
@@ -181,49 +183,49 @@ class Supervisor:
                 other.start(now)
 
     def _publish(self, now: int) -> None:
-        """Write the table of processes when it has changed, and now and then as a sign of life."""
-        table = json.dumps({"processes": [child.row() for child in self._everybody]}).encode()
-        before, written = self._told
+        """Write the table of processes when it has changed, and every PUBLISH_EVERY_S as the supervisor's heartbeat."""
+        table = json.dumps({"processes": [child.row() for child in self._all]}).encode()
+        before, written = self._published
         if table != before or now - written > PUBLISH_EVERY_S * NS_PER_S:
-            self._told = table, now
+            self._published = table, now
             self._processes.write(table, monotonic(), monotonic())
 
     def _answer(self, request: object) -> Answer:
-        """What to say to somebody on the control socket."""
+        """The answer to a request at the control socket."""
         match request:
             case {"do": "attach"}:
                 records = [asdict(spec) for spec in self._plan.records]
-                told = {"boot": self._plan.boot, "records": records, "control": self._plan.control}
-                return told, (self._to_look_at,)
+                answer = {"boot": self._plan.boot, "records": records, "control": self._plan.control}
+                return answer, (self._read_only_block,)
             case {"do": "restart", "name": str(name)}:
                 return self._restart(name), ()
         return {"error": "no such request", "accepted": '{"do": "attach"}, {"do": "restart", "name": ...}'}, ()
 
     def _restart(self, name: str) -> dict[str, Any]:
-        """Try a disabled process again."""
-        disabled = [child for child in self._everybody if child.state == "disabled" and not child.plan.once]
+        """Start a disabled process again."""
+        disabled = [child for child in self._all if child.state == ProcessState.DISABLED and not child.plan.once]
         for child in disabled:
             if child.plan.name == name:
                 child.re_enable(time.monotonic_ns())
-                self._tell(f"{name} is tried again")
+                self._log(f"{child.plan.title} is started again on request")
                 return {"restarted": name}
-        accepted = ", ".join(child.plan.name for child in disabled) or "nothing now, no process is disabled"
-        return {"error": "it is no disabled process", "accepted": accepted}
+        accepted = ", ".join(child.plan.name for child in disabled) or "none: no process is disabled"
+        return {"error": "it is not disabled", "accepted": accepted}
 
     def _shut_down(self) -> None:
-        """End every child, then let go of memory, events and sockets."""
+        """End every child, then close memory, events and sockets."""
         self._control.close()
-        for child in self._everybody:
+        for child in self._all:
             child.signal(signal.SIGTERM)
         deadline = time.monotonic() + STOP_PATIENCE_S
         while time.monotonic() < deadline and not all(
-            child.process is None or child.has_ended() for child in self._everybody
+            child.process is None or child.has_ended() for child in self._all
         ):
             time.sleep(0.01)
-        for child in self._everybody:
+        for child in self._all:
             child.stop_for_good()
         self._store.close()
-        for descriptor in (self._block, self._to_look_at, *self._events.values()):
+        for descriptor in (self._block, self._read_only_block, *self._events.values()):
             os.close(descriptor)
         for owned in (self._woken, self._wake, *self._plan.sockets.values()):
             owned.close()
@@ -231,8 +233,8 @@ class Supervisor:
     def _stop(self, _number: int, _frame: object) -> None:
         self._stopping = True
 
-    def _handed(self, plan: ChildPlan) -> ChildResources:
-        """What a child gets hold of."""
+    def _resources(self, plan: ChildPlan) -> ChildResources:
+        """What a child is given."""
         notify = {
             record: tuple(self._events[other.name] for other in self._plan.children if record in other.wakes)
             for record in plan.writes
@@ -252,14 +254,22 @@ class Supervisor:
         return self._store.reader(f"{HEARTBEAT}/{plan.name}")
 
     def _spare(self, plan: ChildPlan) -> Child:
-        """A spare may become any child, so it gets everything, and the names of all modules to import."""
+        """A spare may become any child: it inherits every descriptor, and imports the main module of every child."""
         modules = dict.fromkeys(child.module for child in self._plan.children if child.spared)
         sockets = [self._plan.sockets[name].fileno() for child in self._plan.children for name in child.sockets]
         return Child(
             plan,
-            self._handed(plan),
+            self._resources(plan),
             self._heartbeat(plan),
             arguments=tuple(modules),
             inherits=(*self._events.values(), *sockets),
-            takes_orders=True,
+            is_spare=True,
         )
+
+
+def _consequence(child: Child) -> str:
+    """What follows from the end of a process, for the log."""
+    if child.state == ProcessState.DISABLED:
+        return f"it stays off; pslv restart {child.plan.name} starts it again"
+    delay_s = (child.due - child.ended) / NS_PER_S
+    return f"it is started again in {delay_s:g} s" if delay_s else "it is started again"

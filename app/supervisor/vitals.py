@@ -1,4 +1,4 @@
-"""Does a silent process hang, or does the machine have no time for it?"""
+"""Is a process with an overdue heartbeat hung, or does it work, or wait for a processor? The kernel tells."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,48 +6,49 @@ from pathlib import Path
 from vision_core.clock import NS_PER_S
 
 ASLEEP_S = 0.2
-"""A silent process that has done nothing for so long hangs: one that reads a disk goes on sooner."""
+"""A process with an overdue heartbeat that does nothing for this long is hung; one that reads a disk goes on sooner."""
 
 
 @dataclass(slots=True)
 class Silence:
-    """What a process does while its beat stays away, from look to look."""
+    """What a process does while its heartbeat is overdue, from one check to the next."""
 
     spent: int
-    """What it had used of the processors when its beat had stayed away for too long [ns]."""
+    """Processor time that it had used when the heartbeat became overdue [ns]."""
     last_spent: int
-    last_lived: int
-    """When it was last seen to run, to wait for a processor, or to have run since the look before [ns]."""
+    """Processor time that it had used at the last check [ns]."""
+    last_active: int
+    """The last check at which it ran, waited for a processor, or had run since the check before [ns]."""
 
     def is_hung(self, pid: int, now: int, longest_run_s: float) -> bool:
-        """Look again. A process hangs when it is stopped, sleeps on, or has computed for too long."""
+        """Check again: is it stopped, or asleep, or has it computed for longer than a run may take [s]?"""
         states, spent = thread_states(pid), time_spent(pid)
         if "R" in states or spent != self.last_spent:
-            self.last_lived, self.last_spent = now, spent
+            self.last_active, self.last_spent = now, spent
         stopped = bool(states) and states <= {"T", "t"}
-        asleep = now - self.last_lived > ASLEEP_S * NS_PER_S
+        asleep = now - self.last_active > ASLEEP_S * NS_PER_S
         return stopped or asleep or spent - self.spent > longest_run_s * NS_PER_S
 
 
 def silence_of(pid: int, now: int) -> Silence:
-    """The beginning of a silence."""
+    """The first check of a process whose heartbeat has just become overdue."""
     spent = time_spent(pid)
     return Silence(spent, spent, now)
 
 
 def thread_states(pid: int) -> set[str]:
-    """Letters of what its threads do: R runs or waits for a processor, T is stopped; none when it has ended."""
+    """The kernel's letters for the states of its threads: R, running or ready; T, stopped; empty when it has ended."""
     found = set()
     for thread in _threads(pid):
         try:
             found.add((thread / "stat").read_text(errors="replace").rpartition(")")[2].split()[0])
-        except (OSError, IndexError):  # this one has ended
+        except (OSError, IndexError):  # the thread has ended
             continue
     return found
 
 
 def time_spent(pid: int) -> int:
-    """What the threads of a process have used of the processors [ns]."""
+    """Processor time that the threads of a process have used [ns]."""
     spent = 0
     for thread in _threads(pid):
         try:

@@ -13,6 +13,7 @@ from vision_core.clock import NS_PER_MS, Instant
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, SelfTest, TaskInfo, TaskOverride
 from vision_core.rtdb.items import Item
+from vision_core.rtdb.process_state import ProcessState
 from vision_core.scheduling.executive import with_override
 from vision_core.scheduling.task import Task
 from vision_core.timing.histogram import Histograms
@@ -61,7 +62,8 @@ def process_infos(tasks: Sequence[Task], states: dict[str, tuple[str, str]]) -> 
     infos = []
     for index, name in enumerate(names):
         state, detail = states.get(name, ("done" if name == "compile" else "running", ""))
-        infos.append(ProcessInfo(name, 4000 + index if state == "running" else None, state, 0, detail))
+        running = state == ProcessState.RUNNING
+        infos.append(ProcessInfo(name, 4000 + index if running else None, ProcessState(state), 0, detail))
     return tuple(infos)
 
 

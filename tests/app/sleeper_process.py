@@ -1,9 +1,19 @@
-"""A process that only beats, for the supervisor's tests. Its name says what else it does."""
+"""A process that only writes heartbeats, for the supervisor's tests. Its name says what else it does."""
 
 import sys
 import time
 
 from vision_core.scheduling.attachment import attach, monotonic
+
+THINKING_S = 1.5
+"""Three times as long as a heartbeat may be old."""
+
+
+def compute(duration_s: float) -> None:
+    """Use processor time [s]."""
+    end = time.process_time() + duration_s
+    while time.process_time() < end:
+        pass
 
 
 def main() -> None:
@@ -22,6 +32,8 @@ def main() -> None:
         time.sleep(0.02)
         while name == "looper":
             pass
+        if name == "thinker":
+            compute(THINKING_S)
 
 
 if __name__ == "__main__":

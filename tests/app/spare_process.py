@@ -3,11 +3,11 @@
 import sys
 from importlib import import_module
 
-from vision_core.startup.spare import attach_quietly, wait_and_become
+from vision_core.startup.spare import attach_in_background, wait_and_become
 
 
 def main() -> None:
-    attachment = attach_quietly()
+    attachment = attach_in_background()
     for name in sys.argv[1:]:
         import_module(name)
     wait_and_become(attachment)

@@ -1,6 +1,6 @@
-"""Main module: a supervisor over sleepers, in a process of its own. Tells its news on standard output.
+"""Main module: a supervisor over sleepers, in a process of its own. Prints its log.
 
-The arguments are the names of the sleepers; a number among them is that of the warm spares.
+The arguments are the names of the sleepers; a number among them is the number of warm spares.
 """
 
 import json
@@ -11,6 +11,7 @@ from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.supervisor import Supervisor
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.scheduling.attachment import monotonic
+from vision_core.scheduling.task import ORDINARY_MAX_RUN_S
 
 
 def main(arguments: list[str]) -> int:
@@ -27,16 +28,16 @@ def main(arguments: list[str]) -> int:
             after_compile="job" in names and name != "job",
             once=name == "job",
             heartbeat_s=0.5,
-            longest_run_s=0.5,
+            longest_run_s=ORDINARY_MAX_RUN_S if name == "thinker" else 0.5,
             spared=name != "job",
         )
         for name in names
     )
-    beating = (*names, *spares)
-    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"heartbeat/{name}", 8, 0.0) for name in beating))
+    with_heartbeat = (*names, *spares)
+    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"heartbeat/{name}", 8, 0.0) for name in with_heartbeat))
     control = f"pslv/test-{os.getpid()}"
     plan = ServicePlan(children, specs, {}, {}, monotonic(), spares, control, "tests.app.spare_process")
-    supervisor = Supervisor(plan, tell, tell)
+    supervisor = Supervisor(plan, log, log)
     reader = supervisor._store.reader("processes")
     publish = supervisor._publish
 
@@ -46,13 +47,13 @@ def main(arguments: list[str]) -> int:
         if reader.sequence != before:
             reading = reader.read(monotonic())
             assert reading is not None
-            tell("processes " + json.dumps(json.loads(reading.value)["processes"]))
+            log("processes " + json.dumps(json.loads(reading.value)["processes"]))
 
     supervisor._publish = publish_and_print  # type: ignore[method-assign]
     return supervisor.run()
 
 
-def tell(line: str) -> None:
+def log(line: str) -> None:
     print(line, flush=True)
 
 

@@ -53,7 +53,7 @@ class Served:
                 return
             for descriptor in ready:
                 self.socket.serve(descriptor, CLOCK.now())
-            self.socket.hang_up(CLOCK.now())
+            self.socket.close_slow(CLOCK.now())
 
     def close(self) -> None:
         os.eventfd_write(self.ending, 1)

@@ -7,6 +7,7 @@ from vision_core.clock import Instant
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, ProcessInfo, ServiceInfo
 from vision_core.rtdb.items import Item
+from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.store import Store, create_block
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, RobotTrack, World
@@ -49,7 +50,7 @@ def test_service_holds_all_settings() -> None:
 def test_processes_are_plain_json() -> None:
     """The supervisor writes them with the standard library alone."""
     written = b'{"processes": [{"name": "web", "pid": 3, "state": "running", "restarts": 0, "detail": ""}]}'
-    expected = Processes((ProcessInfo("web", 3, "running", 0, ""),))
+    expected = Processes((ProcessInfo("web", 3, ProcessState.RUNNING, 0, ""),))
     block = create_block([records.PROCESSES.spec])
     store = Store([records.PROCESSES.spec], block)
     os.close(block)

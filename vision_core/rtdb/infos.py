@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from vision_core.clock import Instant
+from vision_core.rtdb.process_state import ProcessState
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
@@ -24,11 +25,11 @@ class ProcessInfo:
 
     name: str
     pid: int | None
-    state: str
-    """waiting, starting, running, restarting, disabled, done or stopped."""
+    state: ProcessState
     restarts: int
+    """Since the start of the service."""
     detail: str
-    """The last reason for a restart, or the progress of the compiler."""
+    """Why it ended the last time, or the progress of the compiler."""
 
 
 @dataclass(frozen=True, slots=True)

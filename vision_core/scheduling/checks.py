@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from vision_core.scheduling.task import DRIVER, HIGHEST_PRIORITY, MAX_RUN_S, NONE, PERIOD, Task
+from vision_core.scheduling.task import DRIVER, HIGHEST_PRIORITY, NONE, PERIOD, Task
 
 MS_PER_S = 1e3
 MIN_PERIOD_S = 0.001
@@ -148,8 +148,9 @@ def _rate(task: Task, camera_rate_hz: float) -> Iterator[TableProblem]:
     if task.trigger != NONE and task.budget_s > between_s:
         found = f"{task.budget_s * MS_PER_S:g} for what comes every {between_s * MS_PER_S:g} ms: an impossible rate"
         yield TableProblem(f"{key}.budget_ms", found, "at most the time between two releases")
-    if task.budget_s > MAX_RUN_S:
+    if task.budget_s > task.max_run_s:
         found = f"{task.budget_s * MS_PER_S:g}"
-        yield TableProblem(f"{key}.budget_ms", found, f"at most {MAX_RUN_S * MS_PER_S:g}: what runs longer hangs")
+        limit = f"at most {task.max_run_s * MS_PER_S:g}: a longer run is taken for hung"
+        yield TableProblem(f"{key}.budget_ms", found, limit)
     if not 0 <= task.priority <= HIGHEST_PRIORITY:
         yield TableProblem(f"{key}.priority", f"{task.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")

@@ -8,7 +8,9 @@ HIGHEST_PRIORITY = 90
 """Of a task. What watches over them must come first, and the kernel's own threads before that."""
 
 MAX_RUN_S = 4.0
-"""A task that computes for longer without a beat is taken for hung, whatever its period is."""
+"""A real-time task that computes for longer without a heartbeat is hung, whatever its period is."""
+ORDINARY_MAX_RUN_S = 30.0
+"""The same for a task without a priority: it delays no other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,11 @@ class Task:
     """Sockets of the supervisor that it uses."""
     needs_kernels: bool = True
     """Started only when the kernels are compiled."""
+
+    @property
+    def max_run_s(self) -> float:
+        """The longest run before the task is taken for hung [s of processor time]."""
+        return MAX_RUN_S if self.priority else ORDINARY_MAX_RUN_S
 
     def rate_hz(self, camera_rate_hz: float) -> float:
         """How often it runs at most: by its period and, unless that alone releases it, by the camera."""

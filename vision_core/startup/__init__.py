@@ -1,5 +1,10 @@
-"""The main modules of the service's processes, before a task runs.
+"""The main modules of the service's processes.
 
 ``preflight`` (can the tasks work with these settings?), ``compile`` (every kernel, once), ``process`` (the tasks of the
 table that name it), ``spare`` (has loaded everything and waits to take the place of a process).
+
+They are started by name, ``python -m NAME``, and never imported by what starts them: each loads more than the process
+that starts it needs. So their names stand here.
 """
+
+COMPILE, PREFLIGHT, PROCESS, SPARE = (f"{__name__}.{name}" for name in ("compile", "preflight", "process", "spare"))

@@ -1,51 +1,48 @@
-"""Process: a warm spare. It loads all that any process of the service needs, and waits to become one of them.
+"""Process: a warm spare. It loads everything that any process of the service needs, and waits to become one of them.
 
-Theory of operation. A missing process is to be back within a few periods of the camera, and Python with every library
-and kernel takes seconds. So the supervisor keeps a few processes that have it all; its order comes as one line of JSON
-on standard input: which module to run, and what is handed to it. From then on the process is no different from one
-that was started for its task.
+Theory of operation. A process that has ended must be back within a few periods of the camera, but starting Python with
+every library and kernel takes seconds. So the supervisor keeps a few processes that have loaded everything. Its message
+comes as one line of JSON on standard input (``scheduling.attachment.Become``): the main module to run, and the
+resources of that process. From then on the spare is no different from a process that was started for this purpose.
 
-While it loads it is a batch process: who keeps time goes first, and it is never starved. What cannot be loaded is said,
-and is loaded, or complained about, when its turn comes.
+While a spare loads, it has the kernel's batch policy, so that it delays no other process. A module that cannot be
+imported is reported; it fails again, with its traceback, when the spare becomes a process that needs it.
 """
 
 import gc
-import json
 import os
 import select
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from typing import Any
 
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.scheduling.attachment import VARIABLE, Attachment, attach
+from vision_core.scheduling.attachment import VARIABLE, Attachment, Become, attach
 from vision_core.settings.schema import Settings
 
 HEARTBEAT_EVERY_S = 0.1
-ORDERS = 0
-"""Descriptor of standard input."""
+STANDARD_INPUT = 0
 CHUNK = 65536
 
 
 def main() -> None:
-    """Load, wait, become. The arguments are names of modules to import, beside those of the task table."""
-    attachment = attach_quietly()
+    """Load, wait, become. Arguments: names of modules to import, beside those of the task table."""
+    attachment = attach_in_background()
     settings = records.SERVICE.reader(attachment.store).value(MonotonicClock().now()).settings
     for name, load in _loads(settings, sys.argv[1:]):
         try:
             load()
-        except Exception as error:  # noqa: BLE001 (whatever a module does when it is imported)
+        except Exception as error:  # noqa: BLE001 (an import may raise anything)
             print(f"{attachment.resources.process}: {name} cannot be loaded: {error!r}", file=sys.stderr, flush=True)
     gc.collect()
-    gc.freeze()  # what is loaded is no garbage: the collection before real time need not look at it
+    gc.freeze()  # later collections skip everything that is loaded now
     wait_and_become(attachment)
 
 
-def attach_quietly() -> Attachment:
-    """Attach as one who stands back. SIGTERM ends a spare at once: it holds nothing."""
+def attach_in_background() -> Attachment:
+    """Attach with the batch policy. SIGTERM ends a spare at once: it has nothing to save."""
     attachment = attach()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
@@ -53,38 +50,38 @@ def attach_quietly() -> Attachment:
 
 
 def wait_and_become(attachment: Attachment) -> None:
-    """Beat until the order comes, then run what it names; returns when there is nothing to become."""
-    if (order := _order(attachment)) is None:
+    """Send heartbeats until the supervisor's message comes, then run its module; returns when there is none."""
+    become = _message(attachment)
+    if become is None:
         return
     attachment.store.close()
     nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, ORDERS)
+    os.dup2(nothing, STANDARD_INPUT)
     os.close(nothing)
-    if os.sched_getscheduler(0) == os.SCHED_BATCH:  # otherwise the supervisor has us hurry
+    if not become.hurried:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    os.environ[VARIABLE] = order["handed"]
-    sys.argv = [order["module"]]
-    import_module(order["module"]).main()
+    os.environ[VARIABLE] = become.resources.encode()
+    sys.argv = [become.module]
+    import_module(become.module).main()
 
 
-def _order(attachment: Attachment) -> dict[str, Any] | None:
-    """The supervisor's order, {"module": ..., "handed": ...}; None when it has closed the pipe without one."""
-    clock, heard = MonotonicClock(), b""
+def _message(attachment: Attachment) -> Become | None:
+    """The supervisor's message; None when it has closed the pipe without one."""
+    clock, received = MonotonicClock(), b""
     poller = select.poll()
-    poller.register(ORDERS, select.POLLIN)
-    while not heard.endswith(b"\n"):
+    poller.register(STANDARD_INPUT, select.POLLIN)
+    while not received.endswith(b"\n"):
         attachment.heartbeat(clock.now())
         if poller.poll(HEARTBEAT_EVERY_S * 1e3):
-            said = os.read(ORDERS, CHUNK)
-            if not said:
+            chunk = os.read(STANDARD_INPUT, CHUNK)
+            if not chunk:
                 return None
-            heard += said
-    order: dict[str, Any] = json.loads(heard)
-    return order
+            received += chunk
+    return Become.decode(received)
 
 
 def _loads(settings: Settings, modules: list[str]) -> Iterator[tuple[str, Callable[[], object]]]:
-    """What there is to load, with a name for each."""
+    """Everything to load: a name, and a function that loads it."""
     from vision_core.pipeline import warm_up
     from vision_core.tasks.table import task_table
 

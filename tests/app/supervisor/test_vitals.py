@@ -1,4 +1,4 @@
-"""What the kernel tells of a silent process: stopped, asleep, or computing for too long."""
+"""What the kernel tells of a process with an overdue heartbeat: stopped, asleep, or computing for too long."""
 
 import os
 import signal
@@ -33,19 +33,19 @@ def until_in(pid: int, state: str) -> None:
         time.sleep(0.01)
 
 
-def test_who_sleeps_on_hangs_and_who_sleeps_for_a_moment_does_not(sleeper: int) -> None:
+def test_a_process_that_sleeps_is_hung_after_a_while(sleeper: int) -> None:
     silence = silence_of(sleeper, 0)
     assert not silence.is_hung(sleeper, SOON, MAX_S)
     assert silence.is_hung(sleeper, LATER, MAX_S)
 
 
-def test_who_is_stopped_hangs_at_once(sleeper: int) -> None:
+def test_a_stopped_process_is_hung_at_once(sleeper: int) -> None:
     os.kill(sleeper, signal.SIGSTOP)
     until_in(sleeper, "T")
     assert silence_of(sleeper, 0).is_hung(sleeper, SOON, MAX_S)
 
 
-def test_who_computes_hangs_when_it_has_had_its_time_of_the_processor() -> None:
+def test_a_process_that_computes_is_hung_when_it_has_used_its_processor_time() -> None:
     with subprocess.Popen([sys.executable, "-c", BUSY]) as process:
         until_in(process.pid, "R")
         silence = silence_of(process.pid, 0)
@@ -57,7 +57,7 @@ def test_who_computes_hangs_when_it_has_had_its_time_of_the_processor() -> None:
         process.kill()
 
 
-def test_of_who_has_ended_nothing_is_known() -> None:
+def test_a_process_that_has_ended_has_no_states() -> None:
     with subprocess.Popen(["true"]) as process:
         process.wait()
         assert thread_states(process.pid) == set()
