@@ -100,7 +100,8 @@ class Supervisor:
                 self._replace(child, now)
         if not self._complete and all(child.state in SETTLED for child in self.children):
             self._complete = True
-            self._log("ready")
+            running = sum(child.state == "running" for child in self.children if not child.plan.once)
+            self._log(f"{running} of {sum(not child.plan.once for child in self.children)} processes run")
         if self._complete:
             self.spares.refill(self.children, now)
         self._control.close_slow(now)

@@ -16,6 +16,8 @@ from contextlib import asynccontextmanager
 from fastapi import FastAPI, WebSocket
 
 from app.web.blackboard import Blackboard
+from app.web.health.log import watch_health
+from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import POLICY_VIOLATION, Live
 from app.web.middleware.local_only import ChangesGuard
@@ -44,12 +46,17 @@ def create_app(store: Store) -> FastAPI:
     settings = blackboard.service.settings
     task = own_line(settings)
     metrics = TaskMetrics(store, task, task.process)
-    live = Live(blackboard, metrics)
+    monitor = HealthMonitor()
+    live = Live(blackboard, monitor, metrics)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         async with asyncio.TaskGroup() as group:  # a bug in one ends both, and the supervisor misses the heartbeat
-            background = (group.create_task(keep_beating(store, task, metrics, live)), group.create_task(live.run()))
+            background = (
+                group.create_task(keep_beating(store, task, metrics, live)),
+                group.create_task(watch_health(blackboard, monitor)),
+                group.create_task(live.run()),
+            )
             yield
             for each in background:
                 each.cancel()
@@ -65,10 +72,10 @@ def create_app(store: Store) -> FastAPI:
     app.add_middleware(ChangesGuard)
     app.add_middleware(SecurityHeaders)
     install_problems(app)
-    app.include_router(health_routes(blackboard))
-    app.include_router(api_routes(blackboard))
+    app.include_router(health_routes(blackboard, monitor))
+    app.include_router(api_routes(blackboard, monitor))
     app.include_router(task_routes(blackboard, Proposals(store, settings)))
-    app.include_router(timing_routes(blackboard, live))
+    app.include_router(timing_routes(blackboard, monitor, live))
     app.include_router(page_routes())
     app.mount("/web", static_files())
 

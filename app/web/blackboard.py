@@ -52,7 +52,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class ServiceSnapshot:
     """All records at one instant; None for a record that was never written."""
 
     now: Instant
@@ -133,13 +133,13 @@ class Blackboard:
         """The present instant."""
         return self._clock.now()
 
-    def read(self) -> Readings:
+    def read(self) -> ServiceSnapshot:
         """Every record, now."""
         now = self.now()
         view = self._frames.view()
         tasks = {name: reader.read(now) for name, reader in self._tasks.items()}
         self_test, proposed = self._self_test.read(now), self._proposed.read(now)
-        return Readings(
+        return ServiceSnapshot(
             now=now,
             service=self.service,
             processes=self._processes.read(now),

@@ -11,10 +11,10 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Histo
 from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
 
-from app.web.blackboard import Blackboard, Readings, Timings
+from app.web.blackboard import Blackboard, ServiceSnapshot, Timings
+from app.web.health.monitor import Health, HealthMonitor
+from app.web.health.readiness import process_of
 from app.web.live.connection import Live
-from app.web.reports.degradation import degradations
-from app.web.reports.readiness import process_of, reasons_not_ready
 from vision_core.clock import seconds_between
 from vision_core.rtdb.infos import LAGS, TIMINGS
 from vision_core.timing.histogram import EDGES_S, PER_OCTAVE, Counts
@@ -44,8 +44,9 @@ LIVING = ("running", "done")
 class ServiceCollector(Collector):
     """Reads the blackboard at every collection."""
 
-    def __init__(self, blackboard: Blackboard, live: Live) -> None:
+    def __init__(self, blackboard: Blackboard, monitor: HealthMonitor, live: Live) -> None:
         self._blackboard = blackboard
+        self._monitor = monitor
         self._live = live
 
     def describe(self) -> list[Metric]:
@@ -54,52 +55,51 @@ class ServiceCollector(Collector):
 
     def collect(self) -> Iterator[Metric]:
         """Everything, now."""
-        readings, timings = self._blackboard.read(), self._blackboard.timings()
-        yield from _service(readings)
+        snapshot, timings = self._blackboard.read(), self._blackboard.timings()
+        yield from _service(snapshot, self._monitor.judge(snapshot))
         yield GaugeMetricFamily("pslv_pages", "Pages that are open", value=self._live.pages)
-        yield from _processes(readings)
-        yield from _clients(readings)
-        yield from _tasks(readings)
-        yield from _times(readings, timings)
+        yield from _processes(snapshot)
+        yield from _clients(snapshot)
+        yield from _tasks(snapshot)
+        yield from _times(snapshot, timings)
         yield _lags(timings)
 
 
-def _service(readings: Readings) -> Iterator[Metric]:
-    service = readings.service
+def _service(snapshot: ServiceSnapshot, health: Health) -> Iterator[Metric]:
+    service = snapshot.service
     built = GaugeMetricFamily("pslv_build_info", "Version of the service", labels=["version"])
     built.add_metric([service.version], 1)
     yield built
-    uptime_s = seconds_between(service.boot, readings.now)
+    uptime_s = seconds_between(service.boot, snapshot.now)
     yield GaugeMetricFamily("pslv_uptime_seconds", "Since the start of the service", value=uptime_s)
-    ready = not reasons_not_ready(readings)
-    yield GaugeMetricFamily("pslv_ready", "1 while robots are served, as /readyz says", value=ready)
-    worse = len(degradations(readings))
-    yield GaugeMetricFamily("pslv_degradations", "Things worse than they should be, as /readyz says", value=worse)
-    images = readings.frame.number if readings.frame else 0
+    yield GaugeMetricFamily("pslv_ready", "1 while robots are served, as /readyz says", value=health.is_ready)
+    causes = len(health.degradations)
+    yield GaugeMetricFamily("pslv_degradations", "Causes of worse service, as /readyz lists them", value=causes)
+    images = snapshot.frame.number if snapshot.frame else 0
     yield CounterMetricFamily("pslv_frames", "Images since the start of the service", value=images)
     delay_s = service.settings.camera.shutter_delay_ms / 1e3
     yield GaugeMetricFamily("pslv_shutter_delay_seconds", "From the shutter to the grab, as configured", value=delay_s)
 
 
-def _processes(readings: Readings) -> Iterator[Metric]:
+def _processes(snapshot: ServiceSnapshot) -> Iterator[Metric]:
     alive = GaugeMetricFamily("pslv_process_up", "1 while a process runs or has ended well", labels=["process"])
     restarts = CounterMetricFamily("pslv_process_restarts", "Restarts of a process", labels=["process"])
-    for process in readings.processes.value.processes if readings.processes else ():
+    for process in snapshot.processes.value.processes if snapshot.processes else ():
         alive.add_metric([process.name], process.state in LIVING)
         restarts.add_metric([process.name], process.restarts)
     yield from (alive, restarts)
 
 
-def _clients(readings: Readings) -> Iterator[Metric]:
-    served = readings.serving.value.clients if readings.serving and readings.serving.valid else ()
+def _clients(snapshot: ServiceSnapshot) -> Iterator[Metric]:
+    served = snapshot.serving.value.clients if snapshot.serving and snapshot.serving.valid else ()
     connected = GaugeMetricFamily("pslv_clients", "Robots' programs that are connected", labels=["team"])
     for team in Team:
         connected.add_metric([team], sum(client.team is team for client in served))
     yield connected
 
 
-def _tasks(readings: Readings) -> Iterator[Metric]:
-    spoken = {name: timed.value for name, timed in readings.tasks.items() if timed.valid}
+def _tasks(snapshot: ServiceSnapshot) -> Iterator[Metric]:
+    spoken = {name: timed.value for name, timed in snapshot.tasks.items() if timed.valid}
     enabled = GaugeMetricFamily("pslv_task_enabled", "0 while a task is switched off", labels=LABELS)
     for name, told in spoken.items():
         enabled.add_metric([name, told.process], told.enabled)
@@ -111,12 +111,12 @@ def _tasks(readings: Readings) -> Iterator[Metric]:
         yield family
 
 
-def _times(readings: Readings, timings: Timings) -> Iterator[Metric]:
+def _times(snapshot: ServiceSnapshot, timings: Timings) -> Iterator[Metric]:
     for kind in TIMINGS:
         family = HistogramMetricFamily(f"pslv_task_{kind}_seconds", TIMES[kind], labels=LABELS)
         for name, timed in timings.tasks.items():
             if timed.valid:
-                _add(family, (name, process_of(name, readings)), timed.value[kind])
+                _add(family, (name, process_of(name, snapshot)), timed.value[kind])
         yield family
 
 

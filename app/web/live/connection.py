@@ -16,7 +16,8 @@ from contextlib import asynccontextmanager
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from app.web.blackboard import Blackboard
-from app.web.live.messages import PICTURE, STATE, TOPICS, Message, Turns
+from app.web.health.monitor import HealthMonitor
+from app.web.live.messages import PICTURE, STATE, TOPICS, LiveMessages, Message
 from vision_core.clock import seconds_between
 from vision_core.scheduling.metrics import TaskMetrics
 from vision_core.scheduling.releases import Grid
@@ -33,10 +34,10 @@ USUAL = f"{PICTURE},{STATE}"
 class Live:
     """Has turns made and sends them to the pages that are open."""
 
-    def __init__(self, blackboard: Blackboard, gauge: TaskMetrics) -> None:
+    def __init__(self, blackboard: Blackboard, monitor: HealthMonitor, metrics: TaskMetrics) -> None:
         self._blackboard = blackboard
-        self._gauge = gauge
-        self._turns = Turns(blackboard)
+        self._metrics = metrics
+        self._messages = LiveMessages(blackboard, monitor)
         self._pages: dict[WebSocket, tuple[str, ...]] = {}
         """Its topics, by page."""
         self._watched = asyncio.Event()
@@ -52,14 +53,14 @@ class Live:
         grid = Grid(self._blackboard.service.boot, 1.0 / RATE_HZ)
         while True:
             if not self._watched.is_set():
-                self._gauge.pause()
+                self._metrics.pause()
                 grid.forget()
                 await self._watched.wait()
             release = grid.take(self._blackboard.now())
-            if release is not None and await self._turns.make(self._taken(), self.pages):
+            if release is not None and await self._messages.make(self._taken(), self.pages):
                 reached, self._next = self._next, asyncio.Event()
                 reached.set()
-                self._gauge.ran(release, self._blackboard.now())
+                self._metrics.ran(release, self._blackboard.now())
             now = self._blackboard.now()
             await asyncio.sleep(max(seconds_between(now, grid.due(now)), 0.0))
 
@@ -73,7 +74,7 @@ class Live:
         if self.pages >= MAX_PAGES:
             await page.close(TRY_LATER, f"{MAX_PAGES} pages are open already; close one of them")
             return
-        self._turns.forget(set(TOPICS) - self._taken())
+        self._messages.forget(set(TOPICS) - self._taken())
         self._pages[page] = tuple(topic for topic in TOPICS if topic in asked)
         self._watched.set()
         try:
@@ -109,7 +110,7 @@ class Live:
     async def _newer_than(self, seen: Mapping[str, int], topics: tuple[str, ...]) -> dict[str, Message]:
         """The newest of some topics, as soon as the last of them is another one than was seen."""
         while True:
-            newest, last = self._turns.newest, topics[-1]
+            newest, last = self._messages.newest, topics[-1]
             if last in newest and newest[last].number != seen.get(last):
                 return {topic: newest[topic] for topic in topics if topic in newest}
             await self._next.wait()

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import msgspec
 
 from app.web.blackboard import Blackboard, Picture
+from app.web.health.monitor import HealthMonitor
 from app.web.reports.field import Outlines, Points
 from app.web.reports.status import status_from
 from app.web.reports.tasks import tasks_from
@@ -78,11 +79,12 @@ class Message:
     content: bytes | str
 
 
-class Turns:
+class LiveMessages:
     """Makes messages from the blackboard."""
 
-    def __init__(self, blackboard: Blackboard) -> None:
+    def __init__(self, blackboard: Blackboard, monitor: HealthMonitor) -> None:
         self._blackboard = blackboard
+        self._monitor = monitor
         self._outlines = Outlines(blackboard.service.settings)
         self._sequences: tuple[int, ...] = ()
         self._made_s: dict[str, float] = {}
@@ -136,29 +138,29 @@ class Turns:
         return Message(picture.number, picture_message(picture, self._blackboard.service.boot))
 
     def _encoded_state(self, pages: int) -> str:
-        readings = self._blackboard.read()
-        sightings, obstacles = readings.sightings, readings.obstacles
+        snapshot = self._blackboard.read()
+        sightings, obstacles = snapshot.sightings, snapshot.obstacles
         state = State(
             topic=STATE,
-            now_s=seconds_between(readings.service.boot, readings.now),
+            now_s=seconds_between(snapshot.service.boot, snapshot.now),
             pages=pages,
-            status=status_from(readings).model_dump(),
+            status=status_from(snapshot, self._monitor.judge(snapshot)).model_dump(),
             sightings=sightings,
             outlines_px=self._outlines.of_robots(sightings.value.robots) if sightings else [],
             obstacles=obstacles,
             obstacle_outlines_px=self._outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
-            world=readings.world,
-            views=readings.views,
+            world=snapshot.world,
+            views=snapshot.views,
         )
         return msgspec.json.encode(state).decode()
 
     def _encoded_times(self) -> str:
-        readings = self._blackboard.read()
-        timing = timing_from(self._blackboard.timings(), readings.service.settings.camera.shutter_delay_ms)
+        snapshot = self._blackboard.read()
+        timing = timing_from(self._blackboard.timings(), snapshot.service.settings.camera.shutter_delay_ms)
         times = Times(
             topic=TIMING,
-            now_s=seconds_between(readings.service.boot, readings.now),
-            tasks=[task.model_dump() for task in tasks_from(readings)],
+            now_s=seconds_between(snapshot.service.boot, snapshot.now),
+            tasks=[task.model_dump() for task in tasks_from(snapshot)],
             timing=timing.model_dump(),
         )
         return msgspec.json.encode(times).decode()

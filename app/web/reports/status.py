@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from statistics import median
 
-from app.web.blackboard import Readings
+from app.web.blackboard import ServiceSnapshot
+from app.web.health.monitor import Health, HealthState
 from app.web.reports.base import (
     Boundary,
     Camera,
@@ -18,21 +19,33 @@ from app.web.reports.base import (
     Report,
     Source,
 )
-from app.web.reports.degradation import degradations
-from app.web.reports.readiness import reasons_not_ready
 from vision_core.clock import seconds_between
 from vision_core.rtdb.infos import ClientInfo, ProcessInfo, SelfTest, Serving, SourceInfo
+
+
+class Alarm(Report):
+    """One cause of worse service."""
+
+    text: str
+    """In plain words."""
+    detail: str
+    """The technical cause; empty when the text says all that is known."""
 
 
 class Status(Report):
     """The whole service at one instant."""
 
     version: str
+    state: HealthState
+    """ready; degraded: robots are served, but worse than they should be; not_ready: no robot is served."""
     ready: bool
+    """Robots are served: true for ready and degraded."""
     reasons: list[str]
-    """Why it is not ready, in words; empty when it is."""
+    """Why no robot is served; empty when ready is true."""
     degraded: list[str]
-    """What is worse than it should be although robots are served: what the system refused, what is switched off."""
+    """What is worse than it should be: text and detail of each alarm in one sentence."""
+    alarms: list[Alarm]
+    """What is worse than it should be."""
     uptime_s: float
     """Since the start of the service: the clients' Time."""
     http: str
@@ -51,27 +64,28 @@ class Status(Report):
     processes: list[Process]
 
 
-def status_from(readings: Readings) -> Status:
+def status_from(snapshot: ServiceSnapshot, health: Health) -> Status:
     """The report of what was read."""
-    service = readings.service
-    reasons = reasons_not_ready(readings)
-    serving = readings.serving.value if readings.serving and readings.serving.valid else None
-    source = readings.source.value if readings.source else None
+    service = snapshot.service
+    serving = snapshot.serving.value if snapshot.serving and snapshot.serving.valid else None
+    source = snapshot.source.value if snapshot.source else None
     return Status(
         version=service.version,
-        ready=not reasons,
-        reasons=list(reasons),
-        degraded=list(degradations(readings)),
-        uptime_s=seconds_between(service.boot, readings.now),
+        state=health.state,
+        ready=health.is_ready,
+        reasons=list(health.reasons),
+        degraded=health.sentences,
+        alarms=[Alarm(text=cause.text, detail=cause.detail) for cause in health.degradations],
+        uptime_s=seconds_between(service.boot, snapshot.now),
         http=service.http,
         udp=service.udp,
         source=_source(source) if source is not None else None,
-        cameras=[_camera(readings)],
-        clients=[_client(client, readings) for client in serving.clients] if serving else [],
+        cameras=[_camera(snapshot)],
+        clients=[_client(client, snapshot) for client in serving.clients] if serving else [],
         lags=_lags(serving, service.settings.camera.shutter_delay_ms),
         refused=list(serving.refused) if serving else [],
-        selftest=_machine(readings.self_test) if readings.self_test else None,
-        processes=[_process(process) for process in _processes(readings)],
+        selftest=_machine(snapshot.self_test) if snapshot.self_test else None,
+        processes=[_process(process) for process in _processes(snapshot)],
     )
 
 
@@ -100,12 +114,12 @@ def _machine(test: SelfTest) -> Machine:
     return Machine(**{key: getattr(test, key) for key in Machine.model_fields})
 
 
-def _camera(readings: Readings) -> Camera:
-    camera = readings.service.settings.camera
-    capture = readings.tasks.get("capture")
-    seen = readings.sightings.value if readings.sightings and readings.sightings.valid else None
-    found = readings.obstacles.value if readings.obstacles and readings.obstacles.valid else None
-    told = readings.diagnosis.value if readings.diagnosis and readings.diagnosis.valid else None
+def _camera(snapshot: ServiceSnapshot) -> Camera:
+    camera = snapshot.service.settings.camera
+    capture = snapshot.tasks.get("capture")
+    seen = snapshot.sightings.value if snapshot.sightings and snapshot.sightings.valid else None
+    found = snapshot.obstacles.value if snapshot.obstacles and snapshot.obstacles.valid else None
+    told = snapshot.diagnosis.value if snapshot.diagnosis and snapshot.diagnosis.valid else None
     return Camera(
         name=camera.name,
         width_px=camera.width_px,
@@ -113,29 +127,29 @@ def _camera(readings: Readings) -> Camera:
         shutter_delay_ms=camera.shutter_delay_ms,
         rate_hz=camera.rate_hz,
         measured_rate_hz=capture.value.rate_hz if capture and capture.valid else None,
-        frames=readings.frame.number if readings.frame else 0,
-        age_s=readings.frame.age_s if readings.frame else None,
+        frames=snapshot.frame.number if snapshot.frame else 0,
+        age_s=snapshot.frame.age_s if snapshot.frame else None,
         robots=len(seen.robots) if seen else 0,
         balls=len(seen.balls) if seen else 0,
         obstacles=len(found.obstacles) if found else 0,
         reasons=list(told.reasons) if told else [],
-        boundary=_boundary(readings),
-        lines=_lines(readings),
-        exposure=_exposure(readings),
-        colors=_colors(readings),
+        boundary=_boundary(snapshot),
+        lines=_lines(snapshot),
+        exposure=_exposure(snapshot),
+        colors=_colors(snapshot),
     )
 
 
-def _boundary(readings: Readings) -> Boundary | None:
-    timed = readings.boundary
+def _boundary(snapshot: ServiceSnapshot) -> Boundary | None:
+    timed = snapshot.boundary
     if timed is None or not timed.valid:
         return None
     seen = timed.value.found
     return Boundary(age_s=timed.age_s, found=seen.found, error_px=seen.error_px, off_px=seen.off_px)
 
 
-def _lines(readings: Readings) -> Lines | None:
-    timed = readings.lines
+def _lines(snapshot: ServiceSnapshot) -> Lines | None:
+    timed = snapshot.lines
     if timed is None or not timed.valid:
         return None
     seen = timed.value.found
@@ -149,8 +163,8 @@ def _lines(readings: Readings) -> Lines | None:
     )
 
 
-def _exposure(readings: Readings) -> Exposure | None:
-    timed = readings.exposure
+def _exposure(snapshot: ServiceSnapshot) -> Exposure | None:
+    timed = snapshot.exposure
     if timed is None or not timed.valid:
         return None
     seen = timed.value.found
@@ -163,21 +177,21 @@ def _exposure(readings: Readings) -> Exposure | None:
     )
 
 
-def _colors(readings: Readings) -> Colors | None:
-    timed = readings.colors
+def _colors(snapshot: ServiceSnapshot) -> Colors | None:
+    timed = snapshot.colors
     if timed is None or not timed.valid:
         return None
     seen = timed.value.found
     return Colors(age_s=timed.age_s, gain_bgr=seen.gain_bgr, reason=seen.reason)
 
 
-def _client(client: ClientInfo, readings: Readings) -> Client:
+def _client(client: ClientInfo, snapshot: ServiceSnapshot) -> Client:
     return Client(
         team=client.team,
         number=client.number,
         address=client.address,
         port=client.port,
-        connected_s=seconds_between(client.since, readings.now),
+        connected_s=seconds_between(client.since, snapshot.now),
         sent=client.sent,
         dropped=client.dropped,
         rate_hz=client.rate_hz,
@@ -187,8 +201,8 @@ def _client(client: ClientInfo, readings: Readings) -> Client:
     )
 
 
-def _processes(readings: Readings) -> tuple[ProcessInfo, ...]:
-    return readings.processes.value.processes if readings.processes else ()
+def _processes(snapshot: ServiceSnapshot) -> tuple[ProcessInfo, ...]:
+    return snapshot.processes.value.processes if snapshot.processes else ()
 
 
 def _process(process: ProcessInfo) -> Process:

@@ -5,7 +5,7 @@ from dataclasses import fields
 from pydantic import ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from app.web.blackboard import Readings
+from app.web.blackboard import ServiceSnapshot
 from app.web.reports.base import Report
 from vision_core.rtdb.infos import TaskInfo, TaskOverride
 from vision_core.rtdb.items import Timed
@@ -92,16 +92,16 @@ SAID = tuple(entry.name for entry in fields(TaskInfo) if entry.name in Task.mode
 """What a task says of itself under the same name."""
 
 
-def task_from(readings: Readings, name: str) -> Task:
+def task_from(snapshot: ServiceSnapshot, name: str) -> Task:
     """The report of one task. Raises KeyError for one that is not on the table."""
-    timed, proposal = readings.tasks.get(name), readings.proposed.get(name)
+    timed, proposal = snapshot.tasks.get(name), snapshot.proposed.get(name)
     proposed = Wish.of(proposal) if proposal is not None else None
-    return _spoken(name, timed, proposed) if timed is not None else _silent(readings, name, proposed)
+    return _spoken(name, timed, proposed) if timed is not None else _silent(snapshot, name, proposed)
 
 
-def tasks_from(readings: Readings) -> list[Task]:
+def tasks_from(snapshot: ServiceSnapshot) -> list[Task]:
     """The reports of all tasks, in the table's order."""
-    return [task_from(readings, name) for name in readings.task_names]
+    return [task_from(snapshot, name) for name in snapshot.task_names]
 
 
 def _spoken(name: str, timed: Timed[TaskInfo], proposed: Wish | None) -> Task:
@@ -109,9 +109,9 @@ def _spoken(name: str, timed: Timed[TaskInfo], proposed: Wish | None) -> Task:
     return Task(name=name, age_s=timed.age_s, valid=timed.valid, proposed=proposed, **told)
 
 
-def _silent(readings: Readings, name: str, proposed: Wish | None) -> Task:
+def _silent(snapshot: ServiceSnapshot, name: str, proposed: Wish | None) -> Task:
     """A task that has not said anything: what its line of the settings says."""
-    line = readings.service.settings.tasks[name]
+    line = snapshot.service.settings.tasks[name]
     return Task(
         name=name,
         process=line.process or name,

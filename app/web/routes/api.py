@@ -3,6 +3,7 @@
 from fastapi import APIRouter, HTTPException, Response
 
 from app.web.blackboard import Blackboard
+from app.web.health.monitor import HealthMonitor
 from app.web.problems import MEDIA_TYPE, Problem
 from app.web.reports.field import Field, field_from
 from app.web.reports.status import Status, status_from
@@ -11,7 +12,7 @@ from vision_core.native.opencv import encode_jpeg
 SNAPSHOT_QUALITY = 92
 
 
-def api_routes(blackboard: Blackboard) -> APIRouter:
+def api_routes(blackboard: Blackboard, monitor: HealthMonitor) -> APIRouter:
     """Status, field and pictures."""
     router = APIRouter(prefix="/api/v1", tags=["service"])
     field = field_from(blackboard.service)
@@ -19,7 +20,8 @@ def api_routes(blackboard: Blackboard) -> APIRouter:
     @router.get("/status")
     async def status() -> Status:
         """The whole service at this instant: readiness, cameras, clients, lags, processes."""
-        return status_from(blackboard.read())
+        snapshot = blackboard.read()
+        return status_from(snapshot, monitor.judge(snapshot))
 
     @router.get("/field")
     async def field_() -> Field:
@@ -34,7 +36,7 @@ def api_routes(blackboard: Blackboard) -> APIRouter:
             503: {"content": {MEDIA_TYPE: {"schema": Problem.model_json_schema()}}, "description": "No image yet"},
         },
     )
-    def snapshot() -> Response:
+    def snapshot_jpg() -> Response:
         """The newest picture in full size; ``X-Frame-Number`` tells which frame it is."""
         picture = blackboard.picture()
         if picture is None:

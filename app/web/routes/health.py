@@ -1,45 +1,48 @@
-"""``/healthz`` and ``/readyz``, for containers, balancers and scripts."""
+"""``/healthz`` and ``/readyz``, for containers, load balancers and scripts."""
 
 from fastapi import APIRouter, Response, status
 
 from app.web.blackboard import Blackboard
+from app.web.health.monitor import HealthMonitor, HealthState
 from app.web.reports.base import Report
-from app.web.reports.degradation import degradations
-from app.web.reports.readiness import reasons_not_ready
 
 
-class Health(Report):
+class Liveness(Report):
     """The web process answers."""
 
     status: str
 
 
 class Readiness(Report):
-    """Are robots served?"""
+    """Whether robots are served, and how well."""
 
+    state: HealthState
+    """ready; degraded: robots are served, but worse than they should be; not_ready: no robot is served."""
     ready: bool
+    """Robots are served: true for ready and degraded."""
     reasons: list[str]
-    """Why not, in words."""
+    """Why no robot is served; empty when ready is true."""
     degraded: list[str]
-    """What is worse than it should be although robots are served, in words."""
+    """What is worse than it should be, one sentence for each cause."""
 
 
-def health_routes(blackboard: Blackboard) -> APIRouter:
-    """Is it alive, is it ready."""
+def health_routes(blackboard: Blackboard, monitor: HealthMonitor) -> APIRouter:
+    """Liveness of the web process, readiness of the service."""
     router = APIRouter(tags=["health"])
 
     @router.get("/healthz")
-    async def healthz() -> Health:
-        """Does the web process answer? Always 200."""
-        return Health(status="ok")
+    async def healthz() -> Liveness:
+        """Liveness of the web process: always 200."""
+        return Liveness(status="ok")
 
-    @router.get("/readyz", responses={503: {"model": Readiness, "description": "Not ready, and why"}})
+    @router.get("/readyz", responses={503: {"model": Readiness, "description": "No robot is served, and why"}})
     async def readyz(response: Response) -> Readiness:
-        """Are robots served right now? 200, or 503 with the reasons."""
-        readings = blackboard.read()
-        reasons = reasons_not_ready(readings)
-        if reasons:
+        """Readiness of the service: 200 when robots are served, well or badly; 503 when they are not."""
+        health = monitor.judge(blackboard.read())
+        if not health.is_ready:
             response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
-        return Readiness(ready=not reasons, reasons=list(reasons), degraded=list(degradations(readings)))
+        return Readiness(
+            state=health.state, ready=health.is_ready, reasons=list(health.reasons), degraded=health.sentences
+        )
 
     return router

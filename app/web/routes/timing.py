@@ -8,16 +8,17 @@ from prometheus_client.exposition import choose_encoder
 from prometheus_client.registry import CollectorRegistry
 
 from app.web.blackboard import Blackboard
+from app.web.health.monitor import HealthMonitor
 from app.web.live.connection import Live
 from app.web.metrics import ServiceCollector
 from app.web.reports.timing import Timing, timing_from
 
 
-def timing_routes(blackboard: Blackboard, live: Live) -> APIRouter:
+def timing_routes(blackboard: Blackboard, monitor: HealthMonitor, live: Live) -> APIRouter:
     """Histograms of every task's times and of the lags."""
     router = APIRouter(tags=["timing"])
     registry = CollectorRegistry()
-    registry.register(ServiceCollector(blackboard, live))
+    registry.register(ServiceCollector(blackboard, monitor, live))
     shutter_delay_ms = blackboard.service.settings.camera.shutter_delay_ms
 
     @router.get("/api/v1/timing")

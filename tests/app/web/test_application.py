@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from app.web.blackboard import Blackboard
+from app.web.health.monitor import HealthMonitor, HealthState
 from app.web.problems import MEDIA_TYPE
-from app.web.reports.status import status_from
+from app.web.reports.status import Status, status_from
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
 from tests.app.fake_tasks import Condition
 from vision_core.clock import after
@@ -45,13 +46,19 @@ def http(service: FakeService) -> Iterator[httpx.Client]:
     server.stop()
 
 
+def status_of(service: FakeService) -> Status:
+    """The status at the first look."""
+    snapshot = Blackboard(service.store).read()
+    return status_from(snapshot, HealthMonitor().judge(snapshot))
+
+
 def test_healthz(http: httpx.Client) -> None:
     response = http.get("/healthz")
     assert (response.status_code, response.json()) == (200, {"status": "ok"})
 
 
 def test_ready(http: httpx.Client) -> None:
-    assert http.get("/readyz").json() == {"ready": True, "reasons": [], "degraded": []}
+    assert http.get("/readyz").json() == {"state": "ready", "ready": True, "reasons": [], "degraded": []}
 
 
 def test_not_ready_while_compiling() -> None:
@@ -65,7 +72,12 @@ def test_not_ready_while_compiling() -> None:
         snapshot = client.get("/api/v1/snapshot.jpg")
     server.stop()
     assert response.status_code == 503
-    assert response.json() == {"ready": False, "reasons": ["compiling: 3 of 7: label pixels"], "degraded": []}
+    assert response.json() == {
+        "state": "not_ready",
+        "ready": False,
+        "reasons": ["compiling: 3 of 7: label pixels"],
+        "degraded": [],
+    }
     assert status["ready"] is False
     assert status["source"] is None
     assert status["cameras"][0]["age_s"] is status["cameras"][0]["lines"] is None
@@ -110,7 +122,7 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
 def test_lags_that_nobody_reports_are_null() -> None:
     own = FakeService(Scene(condition=Condition(reporting=False)))
     own.write_frame()
-    lags = status_from(Blackboard(own.store).read()).lags
+    lags = status_of(own).lags
     assert lags.server is not None
     assert lags.network is lags.client is None
 
@@ -121,27 +133,27 @@ def test_a_degraded_service_is_ready_and_says_so() -> None:
     own.write_tasks()
     own.write_frame()
     own.write_frame()  # the first one takes its time
-    status = status_from(Blackboard(own.store).read())
-    assert status.ready
-    assert [sentence.partition(":")[0] for sentence in status.degraded] == [
-        "capture, perceive, serve, obstacles",
-        "capture, perceive, serve, obstacles",
+    status = status_of(own)
+    assert (status.state, status.ready) == (HealthState.DEGRADED, True)
+    assert [alarm.text for alarm in status.alarms] == [
+        "views may be late when this machine is busy",
+        "views may be late when this machine is busy",
         "this machine keeps time badly",
-        "process watch is disabled, and with it boundary, lines, exposure, colors",
+        "a part of the service has been given up",
     ]
+    assert status.degraded == [f"{alarm.text}: {alarm.detail}" for alarm in status.alarms]
 
 
 def test_reasons_are_told_for_five_seconds() -> None:
     own = FakeService(STATES["explained"])
     own.write_frame()
-    blackboard = Blackboard(own.store)
-    assert status_from(blackboard.read()).cameras[0].reasons == list(own.scene.reasons)
+    assert status_of(own).cameras[0].reasons == list(own.scene.reasons)
     diagnosis = records.diagnosis("main")
     now = own.clock.now()
     for age_s, told in ((4.0, ["one"]), (5.1, [])):
         grabbed = after(now, -age_s)
         own.put(diagnosis, Diagnosis("main", 1, grabbed, ("one",)), grabbed)
-        assert status_from(blackboard.read()).cameras[0].reasons == told
+        assert status_of(own).cameras[0].reasons == told
 
 
 def test_snapshot_is_the_newest_picture_in_full_size(http: httpx.Client) -> None:
@@ -195,7 +207,7 @@ def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
     for path, methods in api["paths"].items():
         assert all(operation["description"] for operation in methods.values()), path
     camera = api["components"]["schemas"]["Camera"]["properties"]
-    assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected;")
+    assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected, ")
 
 
 def test_field_has_what_the_page_draws(http: httpx.Client) -> None:

@@ -104,7 +104,7 @@ def test_a_page_that_does_not_ask_is_dropped(server: PageServer, monkeypatch: py
 
 
 def test_one_page_too_many_is_refused_with_a_reason(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "MOST_PAGES", 1)
+    monkeypatch.setattr(live, "MAX_PAGES", 1)
     with page(server) as first:
         turn(first)
         with page(server) as second, pytest.raises(ConnectionClosed) as closed:

@@ -1,41 +1,43 @@
-"""What was read of a service that serves, to be changed by tests."""
+"""A snapshot of a service that serves, for tests to change."""
 
 from dataclasses import replace
 
-from app.web.blackboard import FrameStamp, Readings
+from app.web.blackboard import FrameStamp, ServiceSnapshot
 from tests.app.fake_tasks import Condition, process_infos, self_test, task_info
 from vision_core.clock import Instant
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, TaskInfo, TaskOverride
 from vision_core.rtdb.items import T, Timed
 from vision_core.tasks.table import task_table
-from vision_core.types.objects import Sightings
+from vision_core.types.objects import RobotSighting, Sightings, Team
 from vision_core.venues.loader import load_settings
 
 NOW = Instant(100_000_000_000)
-SEEN = Sightings("main", 7, NOW, NOW, (), (), complete=True)
+ROBOT = RobotSighting(Team.BLUE, 1, 320.0, 240.0, 0.0, 0.0, 0.0, 0.9, 0.001, 0.01)
+SEEN = Sightings("main", 7, NOW, NOW, (ROBOT,), (), complete=True)
+EMPTY_FIELD = Sightings("main", 7, NOW, NOW, (), (), complete=True)
 SETTINGS = load_settings()
 TASKS = {task.name: task for task in task_table(SETTINGS)}
 
 
 def timed(value: T, age_s: float = 0.01, *, valid: bool = True) -> Timed[T]:
-    """A reading of some age."""
+    """A record of some age."""
     return Timed(value, 1, NOW, NOW, age_s, valid)
 
 
 def processes(**states: tuple[str, str]) -> Timed[Processes]:
-    """All processes well but for the named ones."""
+    """All processes run but the named ones, which have a state and a detail."""
     return timed(Processes(process_infos(tuple(TASKS.values()), states)))
 
 
-def told(name: str, *, rights: bool = True, **changes: object) -> Timed[TaskInfo]:
-    """What a task says of itself when all is well, but for some fields."""
+def task_report(name: str, *, rights: bool = True, **changes: object) -> Timed[TaskInfo]:
+    """The record of a task that runs well, with some fields changed."""
     info = task_info(TASKS[name], TaskOverride(), 100, Condition(rights=rights))
     return timed(replace(info, **changes))  # type: ignore[arg-type]
 
 
-def readings() -> Readings:
-    """Of a service that serves; nobody is connected, and no task has spoken yet."""
-    return Readings(
+def serving_snapshot() -> ServiceSnapshot:
+    """A service that serves; no client is connected, and no task has reported yet."""
+    return ServiceSnapshot(
         now=NOW,
         service=ServiceInfo("1", Instant(0), "http://h:1", "h:2", SETTINGS),
         processes=processes(),

@@ -1,0 +1,37 @@
+"""Degradation by processes that do not run and by tasks that are switched off."""
+
+from collections.abc import Iterator
+
+from app.web.blackboard import ServiceSnapshot
+from app.web.health.degradation import Degradation
+from app.web.health.readiness import COMPILER, NEEDED, needed_processes, process_of, process_state
+from vision_core.rtdb.infos import ProcessInfo
+
+RESTART_HOLD_S = 1.0
+"""A spare process takes the place of a crashed one within 0.3 s. A process that is still not back after this time, or
+crashes again before ``hysteresis.RELEASE_S`` has passed, is worth a message."""
+
+
+def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """Processes that are disabled or crash again and again, beside those without which nothing is served."""
+    ignored = needed_processes(snapshot) | {COMPILER}
+    for process in snapshot.processes.value.processes if snapshot.processes else ():
+        if process.name not in ignored and (process.state == "disabled" or _is_crashing(process)):
+            hold_s = RESTART_HOLD_S if _is_crashing(process) else 0.0
+            text = f"a part of the service {'keeps crashing' if hold_s else 'has been given up'}"
+            tasks = _tasks_of(process.name, snapshot)
+            without = f" ({', '.join(tasks)})" if tasks not in ((), (process.name,)) else ""
+            key = f"process {process.name} {'crashing' if hold_s else 'disabled'}"
+            yield Degradation(key, text, f"{process_state(process)}{without}", hold_s)
+    for name, timed in snapshot.tasks.items():
+        if name not in NEEDED and not timed.value.enabled and snapshot.service.settings.tasks[name].enabled:
+            yield Degradation(f"task {name} off", f"task {name} is switched off")
+
+
+def _is_crashing(process: ProcessInfo) -> bool:
+    return process.state == "restarting" or (process.state == "starting" and process.restarts > 0)
+
+
+def _tasks_of(process: str, snapshot: ServiceSnapshot) -> tuple[str, ...]:
+    """The tasks that a process runs, in the order of the task table."""
+    return tuple(task for task in snapshot.task_names if process_of(task, snapshot) == process)

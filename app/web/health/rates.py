@@ -1,0 +1,80 @@
+"""Degradation by rates and lags: fewer pictures than configured, tasks that skip pictures, views that are late."""
+
+from collections.abc import Iterator
+
+from app.web.blackboard import ServiceSnapshot
+from app.web.health.degradation import Degradation
+
+MS_PER_S = 1e3
+MIN_RATE = 0.9
+"""Share of the expected rate below which pictures are missing. Jitter and a dropped picture now and then cost less
+than 1 %; a camera that falls back to its next lower mode delivers 25 of 30 pictures or fewer."""
+RATE_HOLD_S = 6.0
+"""Tasks measure their rates over 5 s, so a gap that is over still lowers them for 5 s."""
+MAX_LAG_S = 0.05
+"""From the publication of a picture to its last datagram. A robot that drives 2 m/s moves by its radius, 0.1 m, in this
+time; perception and serving together need less than 5 ms on an idle machine."""
+LAG_HOLD_S = 3.0
+"""One slow half second, as when a process is replaced, is no degradation."""
+
+
+def rate_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """Everything that makes views rarer or later than the source's pictures allow."""
+    yield from _slow_source(snapshot)
+    yield from _rates(snapshot)
+    yield from _lag(snapshot)
+
+
+def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """A source whose pictures are farther apart than robots are remembered."""
+    validity_s = snapshot.service.settings.tracks.validity_ms / MS_PER_S
+    rate_hz = snapshot.source.value.rate_hz if snapshot.source else snapshot.service.settings.camera.rate_hz
+    if rate_hz * validity_s < 1.0:
+        delivers = f"the source delivers a picture every {1.0 / rate_hz:.3g} s"
+        forgotten = f"robots are forgotten after {validity_s:g} s between two pictures"
+        yield Degradation("slow source", f"{delivers}: {forgotten}")
+
+
+def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """The first task of the frame's path that runs too rarely: later ones run rarely because of it."""
+    expected_hz = _expected_hz(snapshot)
+    measured_hz = _rate_hz(snapshot, "capture")
+    if measured_hz is None:
+        return
+    if measured_hz < MIN_RATE * expected_hz:
+        delivers = f"the camera delivers {measured_hz:.1f} of {expected_hz:g} pictures a second"
+        yield Degradation("camera rate", delivers, hold_s=RATE_HOLD_S)
+    for task in ("perceive", "serve"):
+        period_s = snapshot.service.settings.tasks[task].period_ms / MS_PER_S
+        wanted_hz = min(measured_hz, 1.0 / period_s) if period_s else measured_hz
+        rate_hz = _rate_hz(snapshot, task)
+        if rate_hz is not None and rate_hz < MIN_RATE * wanted_hz:
+            used = f"only {rate_hz:.1f} of {wanted_hz:.1f} pictures a second reach the robots"
+            yield Degradation("task rate", used, f"task {task} runs too rarely", RATE_HOLD_S)
+            return
+
+
+def _expected_hz(snapshot: ServiceSnapshot) -> float:
+    """Pictures per second that the source has to deliver [1/s].
+
+    A recording is played at its own rate; a camera has to deliver the rate that the venue configures.
+    """
+    source = snapshot.source
+    return source.value.rate_hz if source and source.value.repeats else snapshot.service.settings.camera.rate_hz
+
+
+def _rate_hz(snapshot: ServiceSnapshot, task: str) -> float | None:
+    """Runs per second of a task [1/s]; None while it does not report."""
+    timed = snapshot.tasks.get(task)
+    return timed.value.rate_hz if timed and timed.valid else None
+
+
+def _lag(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """Perception and serving follow each other, so their response times add up."""
+    reports = [timed for task in ("perceive", "serve") if (timed := snapshot.tasks.get(task)) and timed.valid]
+    lag_s = sum(timed.value.response_median_ms for timed in reports) / MS_PER_S
+    if lag_s > MAX_LAG_S:
+        text = (
+            f"views are sent {lag_s * MS_PER_S:.0f} ms after their picture, at most {MAX_LAG_S * MS_PER_S:.0f} are good"
+        )
+        yield Degradation("lag", text, "perception and serving take too long", LAG_HOLD_S)

@@ -1,0 +1,107 @@
+"""What keeps robots from being served: a pure function of one snapshot.
+
+Readiness is a chain: kernels -> processes -> images -> sightings -> datagrams. Only the first broken link is reported,
+because everything after it follows from it.
+"""
+
+from app.web.blackboard import ServiceSnapshot
+from vision_core.rtdb.infos import ProcessInfo
+
+COMPILER = "compile"
+NEEDED = ("source", "capture", "perceive", "serve")
+"""Tasks without which no robot is served."""
+MIN_PATIENCE_S = 0.25
+PATIENCE_PERIODS = 3.0
+"""An image is old when this many have failed to come, and never before MIN_PATIENCE_S."""
+MAX_SLOWED_PATIENCE_S = 1.0
+"""A camera that delivers fewer images than it promises is given its periods up to this time, so that the state does not
+change with every image; a camera that has failed is reported by then."""
+
+
+def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+    """Why no robot can be served right now; empty when robots are served."""
+    if snapshot.processes is None:
+        return ("the supervisor has not reported yet",)
+    if not snapshot.processes.valid:
+        return (f"the supervisor has not reported for {snapshot.processes.age_s:.1f} s",)
+    processes = snapshot.processes.value.processes
+    for process in processes:
+        if process.name == COMPILER and process.state != "done":
+            return (_compiling(process),)
+    needed = needed_processes(snapshot)
+    broken = [process_state(process) for process in processes if process.name in needed and process.state != "running"]
+    return tuple(broken) or _switched_off(snapshot) or _silence(snapshot)
+
+
+def is_starting(snapshot: ServiceSnapshot) -> bool:
+    """Is a needed process started for the first time, or does it wait for the compiler?"""
+    needed = needed_processes(snapshot) | {COMPILER}
+    processes = snapshot.processes.value.processes if snapshot.processes else ()
+    first = [process for process in processes if process.name in needed and not process.restarts]
+    return not processes or any(
+        process.state in ("waiting", "starting") or (process.name == COMPILER and process.state == "running")
+        for process in first
+    )
+
+
+def needed_processes(snapshot: ServiceSnapshot) -> set[str]:
+    """The processes that run the needed tasks."""
+    return {process_of(task, snapshot) for task in NEEDED}
+
+
+def process_of(task: str, snapshot: ServiceSnapshot) -> str:
+    """The process that runs a task."""
+    if task in snapshot.tasks:
+        return snapshot.tasks[task].value.process
+    return snapshot.service.settings.tasks[task].process or task
+
+
+def process_state(process: ProcessInfo) -> str:
+    """The sentence that reports a process that does not run."""
+    detail = f": {process.detail}" if process.detail else ""
+    return f"process {process.name} is {process.state}{detail}"
+
+
+def _switched_off(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+    off = (task for task in NEEDED if task in snapshot.tasks and not snapshot.tasks[task].value.enabled)
+    return tuple(f"task {task} is switched off" for task in off)
+
+
+def _compiling(process: ProcessInfo) -> str:
+    detail = f": {process.detail}" if process.detail else ""
+    return f"compiling failed{detail}" if process.state in ("disabled", "stopped") else f"compiling{detail}"
+
+
+def _silence(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+    """The first link of the chain that delivers nothing although every process runs."""
+    patience_s = _patience_s(snapshot)
+    if snapshot.frame is None:
+        return (f"no image yet{_note(snapshot, 'source', 'capture')}",)
+    if snapshot.frame.age_s > patience_s:
+        return (f"the camera's image is {snapshot.frame.age_s:.1f} s old{_note(snapshot, 'source', 'capture')}",)
+    if snapshot.sightings is None:
+        return (f"no image has been analyzed yet{_note(snapshot, 'perceive')}",)
+    if snapshot.sightings.age_s > patience_s + MIN_PATIENCE_S:
+        age_s = snapshot.sightings.age_s
+        return (f"no image has been analyzed for {age_s:.1f} s{_note(snapshot, 'perceive')}",)
+    if snapshot.serving is None:
+        return (f"clients are not served yet{_note(snapshot, 'serve')}",)
+    if not snapshot.serving.valid:
+        return (f"clients have not been served for {snapshot.serving.age_s:.1f} s{_note(snapshot, 'serve')}",)
+    return ()
+
+
+def _patience_s(snapshot: ServiceSnapshot) -> float:
+    """How old an image may be [s]."""
+    settings, source, capture = snapshot.service.settings, snapshot.source, snapshot.tasks.get("capture")
+    promised_hz = source.value.rate_hz if source else settings.camera.rate_hz
+    measured_hz = capture.value.rate_hz if capture and capture.valid else 0.0
+    slowed_s = min(PATIENCE_PERIODS / measured_hz, MAX_SLOWED_PATIENCE_S) if measured_hz else 0.0
+    return max(MIN_PATIENCE_S, PATIENCE_PERIODS / promised_hz, slowed_s)
+
+
+def _note(snapshot: ServiceSnapshot, *tasks: str) -> str:
+    """The note of the first of the tasks that has one, in parentheses."""
+    notes = (snapshot.tasks[task].value.note for task in tasks if task in snapshot.tasks)
+    note = next(filter(None, notes), "")
+    return f" ({note})" if note else ""

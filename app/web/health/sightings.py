@@ -1,0 +1,61 @@
+"""Degradation by what the pictures show: no robot, bad light, a camera that was moved."""
+
+from collections.abc import Iterator
+
+from app.web.blackboard import ServiceSnapshot
+from app.web.health.degradation import Degradation
+
+NO_ROBOT_HOLD_S = 5.0
+"""Robots are taken off the field for a moment in every match."""
+LIGHT_HOLD_S = 2.0
+"""Several looks of the exposure check, which looks five times a second: a person under the camera passes."""
+MOVED_HOLD_S = 5.0
+"""A dozen looks of the line check: robots and people hide lines for a moment."""
+MIN_LINES_FOUND = 0.3
+"""Share of the painted lines that must be where the venue has them; some fields lack some of their preset's lines."""
+MAX_LINE_OFF_PX = 2.0
+"""Median distance of painted lines from their place [px]. A good calibration leaves 0.5 px."""
+MAX_BOUNDARY_OFF_PX = 8.0
+"""The same for the carpet's boundary, which is judged only where no line can be: carpets are laid by hand."""
+MIN_BOUNDARY_FOUND = 0.5
+"""Share of the boundary that must be seen to judge by it."""
+
+
+def sighting_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """What the newest sightings and checks of the picture report."""
+    yield from _no_robot(snapshot)
+    yield from _light(snapshot)
+    yield from _moved(snapshot)
+
+
+def _no_robot(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """Every venue expects robots: a match has at least one number a team."""
+    if snapshot.sightings and not snapshot.sightings.value.robots:
+        explained = snapshot.diagnosis.value.reasons if snapshot.diagnosis and snapshot.diagnosis.valid else ()
+        yield Degradation("no robot", "no robot is seen", "; ".join(explained[:1]), NO_ROBOT_HOLD_S)
+
+
+def _light(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    if snapshot.exposure and snapshot.exposure.valid:
+        for reason in snapshot.exposure.value.found.reasons:
+            yield Degradation("light", reason, hold_s=LIGHT_HOLD_S)
+
+
+def _moved(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+    """Painted lines, or where none can be judged the carpet's boundary, are not where the venue has them."""
+    lines = snapshot.lines.value.found if snapshot.lines and snapshot.lines.valid else None
+    boundary = snapshot.boundary.value.found if snapshot.boundary and snapshot.boundary.valid else None
+    if lines and lines.known:
+        if lines.found < MIN_LINES_FOUND * lines.known:
+            found = f"{lines.found} of {lines.known} painted lines are where the venue has them"
+            yield _camera_moved(found)
+        elif lines.residual_px is not None and lines.residual_px > MAX_LINE_OFF_PX:
+            yield _camera_moved(f"painted lines are {lines.residual_px:.1f} px from their place")
+    elif boundary and boundary.found >= MIN_BOUNDARY_FOUND and (boundary.off_px or 0.0) > MAX_BOUNDARY_OFF_PX:
+        yield _camera_moved(f"the carpet ends {boundary.off_px:.1f} px from where the venue has its end")
+
+
+def _camera_moved(evidence: str) -> Degradation:
+    return Degradation(
+        "camera moved", "the camera was moved, or the venue does not fit the field", evidence, MOVED_HOLD_S
+    )

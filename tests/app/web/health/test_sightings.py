@@ -1,0 +1,86 @@
+"""A field without robots, bad light and a camera that was moved are causes of worse service."""
+
+from dataclasses import replace
+
+import pytest
+
+from app.web.blackboard import ServiceSnapshot
+from app.web.health.degradation import Degradation
+from app.web.health.sightings import MAX_BOUNDARY_OFF_PX, MAX_LINE_OFF_PX, NO_ROBOT_HOLD_S, sighting_degradations
+from tests.app.fake_snapshot import EMPTY_FIELD, NOW, serving_snapshot, timed
+from vision_core.types.objects import Diagnosis
+from vision_core.types.regions import ExposureCheck, FieldBoundary, Finding, LineCheck
+
+MOVED = "the camera was moved, or the venue does not fit the field"
+WELL = LineCheck(12, 11, 0.97, 0.4, 0.0)
+AT_PLACE = FieldBoundary((), (), 0.94, 0.3, 0.6)
+
+
+def snapshot(
+    lines: LineCheck | None = WELL,
+    boundary: FieldBoundary | None = AT_PLACE,
+    reasons: tuple[str, ...] = (),
+    *,
+    valid: bool = True,
+) -> ServiceSnapshot:
+    """What the checks found in one picture; reasons: of the exposure check; valid: the checks are recent."""
+    exposure = ExposureCheck(231.0, 88.0, 0.001, reasons)
+    return replace(
+        serving_snapshot(),
+        lines=timed(Finding("main", 7, NOW, lines), valid=valid) if lines else None,
+        boundary=timed(Finding("main", 7, NOW, boundary), valid=valid) if boundary else None,
+        exposure=timed(Finding("main", 7, NOW, exposure), valid=valid),
+    )
+
+
+def causes(of: ServiceSnapshot) -> list[Degradation]:
+    return list(sighting_degradations(of))
+
+
+def test_a_picture_in_order_is_no_cause() -> None:
+    assert causes(snapshot()) == []
+    assert causes(serving_snapshot()) == [], "no check has looked yet"
+
+
+def test_no_robot_is_a_cause_when_it_lasts_and_says_why() -> None:
+    empty = replace(snapshot(), sightings=timed(EMPTY_FIELD))
+    (cause,) = causes(empty)
+    assert (cause.sentence, cause.hold_s) == ("no robot is seen", NO_ROBOT_HOLD_S)
+    dark = Diagnosis("main", 7, NOW, ("too dark: lamps?", "and more"))
+    (cause,) = causes(replace(empty, diagnosis=timed(dark)))
+    assert cause.sentence == "no robot is seen: too dark: lamps?"
+
+
+def test_bad_light_is_reported_in_the_words_of_the_check() -> None:
+    assert [cause.sentence for cause in causes(snapshot(reasons=("over-exposed: 60 %",)))] == ["over-exposed: 60 %"]
+
+
+@pytest.mark.parametrize(
+    ("lines", "boundary", "evidence"),
+    [
+        (LineCheck(12, 3, 0.3, 0.4, 0.0), AT_PLACE, "3 of 12 painted lines are where the venue has them"),
+        (LineCheck(12, 4, 0.3, MAX_LINE_OFF_PX, 0.0), AT_PLACE, None),
+        (LineCheck(12, 11, 0.9, 2.6, 0.0), AT_PLACE, "painted lines are 2.6 px from their place"),
+        (LineCheck(12, 0, 0.0, None, 0.0), AT_PLACE, "0 of 12 painted lines are where the venue has them"),
+        (WELL, FieldBoundary((), (), 0.9, 0.3, 30.0), None),
+        (LineCheck(0, 0, None, None, 0.0), FieldBoundary((), (), 0.9, 0.3, MAX_BOUNDARY_OFF_PX), None),
+        (
+            LineCheck(0, 0, None, None, 0.0),
+            FieldBoundary((), (), 0.9, 0.3, 12.0),
+            "the carpet ends 12.0 px from where the venue has its end",
+        ),
+        (None, FieldBoundary((), (), 0.9, 0.3, 12.0), "the carpet ends 12.0 px from where the venue has its end"),
+        (None, FieldBoundary((), (), 0.4, 0.3, 12.0), None),
+        (None, FieldBoundary((), (), 0.4, None, None), None),
+    ],
+)
+def test_a_camera_that_was_moved(lines: LineCheck | None, boundary: FieldBoundary | None, evidence: str | None) -> None:
+    assert [cause.sentence for cause in causes(snapshot(lines, boundary))] == (
+        [] if evidence is None else [f"{MOVED}: {evidence}"]
+    )
+
+
+def test_old_findings_are_no_cause() -> None:
+    off = LineCheck(12, 0, 0.0, None, 0.0)
+    assert len(causes(snapshot(off, reasons=("dark",)))) == 2
+    assert causes(snapshot(off, reasons=("dark",), valid=False)) == []
