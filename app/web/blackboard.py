@@ -1,34 +1,25 @@
-"""Everything the web part knows: the records of the real-time database, read together at one instant."""
+"""The records of the real-time database, read together at one instant.
+
+The blackboard iterates ``vision_core.rtdb.records.CATALOG``: a record that is added there can be reported at once.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import (
-    LAGS,
-    TIMINGS,
-    Processes,
-    SelfTest,
-    ServiceInfo,
-    Serving,
-    SourceInfo,
-    TaskInfo,
-    TaskOverride,
-)
-from vision_core.rtdb.items import ItemReader, Timed
+from vision_core.rtdb.catalog import CatalogReader, Snapshot
+from vision_core.rtdb.infos import LAGS, TIMINGS, ServiceInfo, TaskInfo, TaskOverride
+from vision_core.rtdb.items import CameraRecord, Item, Timed
 from vision_core.rtdb.slots import READ_TRIES, SlotReader, SlotView
 from vision_core.rtdb.store import Store
 from vision_core.timing.histogram import Counts, decode
-from vision_core.types.objects import Diagnosis, Obstacles, Sightings
-from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
-from vision_core.types.tracks import World
-from vision_core.types.views import Views
 
+T = TypeVar("T")
 TASK_PREFIX = "task/"
 
 
@@ -39,11 +30,12 @@ class FrameStamp:
     number: int
     grabbed: Instant
     age_s: float
+    """Time since it was grabbed [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """The newest image, copied."""
+    """A copy of the newest image."""
 
     number: int
     grabbed: Instant
@@ -53,56 +45,48 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class ServiceSnapshot:
-    """All records at one instant; None for a record that was never written."""
+    """Everything that is known about the service at one instant."""
 
     now: Instant
     service: ServiceInfo
-    processes: Timed[Processes] | None
+    """What stays the same while the service runs, its settings among it."""
     frame: FrameStamp | None
-    source: Timed[SourceInfo] | None
-    sightings: Timed[Sightings] | None
-    obstacles: Timed[Obstacles] | None
-    boundary: Timed[Finding[FieldBoundary]] | None
-    lines: Timed[Finding[LineCheck]] | None
-    exposure: Timed[Finding[ExposureCheck]] | None
-    colors: Timed[Finding[ColorDrift]] | None
-    diagnosis: Timed[Diagnosis] | None
-    world: Timed[World] | None
-    views: Timed[Views] | None
-    serving: Timed[Serving] | None
-    self_test: SelfTest | None
+    """The newest image; None before the first."""
+    values: Snapshot
+    """The values of the catalog's records; see ``of`` and ``recent``."""
     task_names: tuple[str, ...]
-    """Every task of the table, in its order."""
-    tasks: dict[str, Timed[TaskInfo]]
-    """By name; a task that has never said anything is not in it."""
-    proposed: Mapping[str, TaskOverride]
-    """What somebody wants of a task, by name; only where something is wanted."""
+    """Every task, in the order of the task table."""
+    tasks: Mapping[str, Timed[TaskInfo]]
+    """The newest report of each task by its name; a task that has never reported is missing."""
+
+    def of(self, record: Item[T] | CameraRecord[T]) -> Timed[T] | None:
+        """The newest value of a record, however old; None before it was first written."""
+        return self.values.of(record)
+
+    def recent(self, record: Item[T] | CameraRecord[T]) -> Timed[T] | None:
+        """The newest value of a record while it is valid; None when it is older than its validity, or missing."""
+        timed = self.values.of(record)
+        return timed if timed and timed.valid else None
+
+    @property
+    def overrides(self) -> Mapping[str, TaskOverride]:
+        """The overrides in effect by the task's name; tasks that run as the settings have them are missing."""
+        proposed = self.of(records.PROPOSED)
+        return proposed.value.tasks if proposed else {}
 
 
 @dataclass(frozen=True, slots=True)
 class Timings:
-    """All histograms at one instant: counts since the start of whoever counts."""
+    """All histograms at one instant: counts since the start of the process that counts."""
 
     tasks: dict[str, Timed[Mapping[str, Counts]]]
-    """By name of the task, then by name of the histogram (TIMINGS)."""
+    """By the task's name, then by the histogram's (TIMINGS)."""
     lags: Timed[Mapping[str, Counts]] | None
-    """By name of the lag (LAGS)."""
-
-
-def _stamp_of(view: SlotView, now: Instant) -> FrameStamp:
-    return FrameStamp(view.sequence, view.measured, seconds_between(view.measured, now))
-
-
-def _counts(reader: SlotReader, names: Sequence[str], now: Instant) -> Timed[Mapping[str, Counts]] | None:
-    """Histograms as they were last written; None before the first time."""
-    told = reader.read(now)
-    if told is None:
-        return None
-    return Timed(decode(names, told.value), told.sequence, told.measured, told.written, told.age_s, told.valid)
+    """By the lag's name (LAGS)."""
 
 
 class Blackboard:
-    """Reads the database. Raises LookupError when the supervisor has not written its first record."""
+    """Reads the database. Raises LookupError when the supervisor has not written the record ``service`` yet."""
 
     def __init__(self, store: Store) -> None:
         self._clock = MonotonicClock()
@@ -110,20 +94,7 @@ class Blackboard:
         camera = self.service.settings.camera
         self._shape = (camera.height_px, camera.width_px, 3)
         self._frames = store.reader(f"frames/{camera.name}")
-        self._processes = records.PROCESSES.reader(store)
-        self._source = records.source(camera.name).reader(store)
-        self._sightings = records.sightings(camera.name).reader(store)
-        self._obstacles = records.obstacles(camera.name).reader(store)
-        self._boundary = records.boundary(camera.name).reader(store)
-        self._lines = records.lines(camera.name).reader(store)
-        self._exposure = records.exposure(camera.name).reader(store)
-        self._colors = records.colors(camera.name).reader(store)
-        self._diagnosis = records.diagnosis(camera.name).reader(store)
-        self._world = records.WORLD.reader(store)
-        self._views = records.VIEWS.reader(store)
-        self._serving = records.SERVING.reader(store)
-        self._self_test = records.SELF_TEST.reader(store)
-        self._proposed = records.PROPOSED.reader(store)
+        self._catalog = CatalogReader(store, camera.name)
         self.task_names = tuple(name.removeprefix(TASK_PREFIX) for name in store.specs if name.startswith(TASK_PREFIX))
         self._tasks = {name: records.task(name).reader(store) for name in self.task_names}
         self._timings = {name: store.reader(records.timing(name).name) for name in self.task_names}
@@ -134,35 +105,21 @@ class Blackboard:
         return self._clock.now()
 
     def read(self) -> ServiceSnapshot:
-        """Every record, now."""
+        """Every record but images and histograms, at the present instant."""
         now = self.now()
-        view = self._frames.view()
+        frame = self._frames.view()
         tasks = {name: reader.read(now) for name, reader in self._tasks.items()}
-        self_test, proposed = self._self_test.read(now), self._proposed.read(now)
         return ServiceSnapshot(
             now=now,
             service=self.service,
-            processes=self._processes.read(now),
-            frame=_stamp_of(view, now) if view is not None else None,
-            source=self._source.read(now),
-            sightings=self._sightings.read(now),
-            obstacles=self._obstacles.read(now),
-            boundary=self._boundary.read(now),
-            lines=self._lines.read(now),
-            exposure=self._exposure.read(now),
-            colors=self._colors.read(now),
-            diagnosis=self._diagnosis.read(now),
-            world=self._world.read(now),
-            views=self._views.read(now),
-            serving=self._serving.read(now),
-            self_test=self_test.value if self_test else None,
+            frame=_stamp_of(frame, now) if frame is not None else None,
+            values=self._catalog.read(now),
             task_names=self.task_names,
             tasks={name: timed for name, timed in tasks.items() if timed is not None},
-            proposed=proposed.value.tasks if proposed else {},
         )
 
     def timings(self) -> Timings:
-        """Every histogram, now. Apart from the rest, since they are large and change slowly."""
+        """Every histogram at the present instant. Histograms are large and change slowly, so ``read`` omits them."""
         now = self.now()
         tasks = {name: _counts(reader, TIMINGS, now) for name, reader in self._timings.items()}
         return Timings(
@@ -171,7 +128,7 @@ class Blackboard:
         )
 
     def picture(self) -> Picture | None:
-        """The newest image; None before the first, or when the camera overtook every try to copy one."""
+        """A copy of the newest image; None before the first, or when the camera overwrote each copy as it was made."""
         for _ in range(READ_TRIES):
             view = self._frames.view()
             if view is None:
@@ -188,7 +145,18 @@ class Blackboard:
 
     @property
     def sequences(self) -> tuple[int, ...]:
-        """Changes whenever a record was written."""
-        eyes = (self._sightings, self._obstacles, self._diagnosis, self._world, self._views)
-        readers: tuple[ItemReader[Any], ...] = (self._processes, *eyes, self._serving, *self._tasks.values())
-        return tuple(reader.sequence for reader in readers)
+        """Differs from an earlier value when a record of ``read`` was written since."""
+        return (*self._catalog.sequences, *(reader.sequence for reader in self._tasks.values()))
+
+
+def _stamp_of(view: SlotView, now: Instant) -> FrameStamp:
+    return FrameStamp(view.sequence, view.measured, seconds_between(view.measured, now))
+
+
+def _counts(reader: SlotReader, names: Sequence[str], now: Instant) -> Timed[Mapping[str, Counts]] | None:
+    """Histograms as they were last written; None before the first time."""
+    reading = reader.read(now)
+    if reading is None:
+        return None
+    counts = decode(names, reading.value)
+    return Timed(counts, reading.sequence, reading.measured, reading.written, reading.age_s, reading.valid)

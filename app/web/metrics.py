@@ -16,6 +16,7 @@ from app.web.health.monitor import Health, HealthMonitor
 from app.web.health.readiness import process_of
 from app.web.live.connection import Live
 from vision_core.clock import seconds_between
+from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, TIMINGS
 from vision_core.timing.histogram import EDGES_S, PER_OCTAVE, Counts
 from vision_core.types.objects import Team
@@ -84,14 +85,16 @@ def _service(snapshot: ServiceSnapshot, health: Health) -> Iterator[Metric]:
 def _processes(snapshot: ServiceSnapshot) -> Iterator[Metric]:
     alive = GaugeMetricFamily("pslv_process_up", "1 while a process runs or has ended well", labels=["process"])
     restarts = CounterMetricFamily("pslv_process_restarts", "Restarts of a process", labels=["process"])
-    for process in snapshot.processes.value.processes if snapshot.processes else ():
+    report = snapshot.of(records.PROCESSES)
+    for process in report.value.processes if report else ():
         alive.add_metric([process.name], process.state in LIVING)
         restarts.add_metric([process.name], process.restarts)
     yield from (alive, restarts)
 
 
 def _clients(snapshot: ServiceSnapshot) -> Iterator[Metric]:
-    served = snapshot.serving.value.clients if snapshot.serving and snapshot.serving.valid else ()
+    serving = snapshot.recent(records.SERVING)
+    served = serving.value.clients if serving else ()
     connected = GaugeMetricFamily("pslv_clients", "Robots' programs that are connected", labels=["team"])
     for team in Team:
         connected.add_metric([team], sum(client.team is team for client in served))

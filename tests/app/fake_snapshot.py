@@ -1,10 +1,13 @@
 """A snapshot of a service that serves, for tests to change."""
 
 from dataclasses import replace
+from typing import Any
 
 from app.web.blackboard import FrameStamp, ServiceSnapshot
 from tests.app.fake_tasks import Condition, process_infos, self_test, task_info
 from vision_core.clock import Instant
+from vision_core.rtdb import records
+from vision_core.rtdb.catalog import Snapshot
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, TaskInfo, TaskOverride
 from vision_core.rtdb.items import T, Timed
 from vision_core.tasks.table import task_table
@@ -37,24 +40,24 @@ def task_report(name: str, *, rights: bool = True, **changes: object) -> Timed[T
 
 def serving_snapshot() -> ServiceSnapshot:
     """A service that serves; no client is connected, and no task has reported yet."""
+    values: dict[str, Timed[Any]] = {
+        "processes": processes(),
+        "sightings": timed(SEEN),
+        "serving": timed(Serving((), 0.0, 0.0, ())),
+        "selftest": timed(self_test(Condition())),
+    }
     return ServiceSnapshot(
         now=NOW,
         service=ServiceInfo("1", Instant(0), "http://h:1", "h:2", SETTINGS),
-        processes=processes(),
         frame=FrameStamp(7, NOW, 0.02),
-        source=None,
-        sightings=timed(SEEN),
-        obstacles=None,
-        boundary=None,
-        lines=None,
-        exposure=None,
-        colors=None,
-        diagnosis=None,
-        world=None,
-        views=None,
-        serving=timed(Serving((), 0.0, 0.0, ())),
-        self_test=self_test(Condition()),
+        values=Snapshot(values),
         task_names=tuple(TASKS),
         tasks={},
-        proposed={},
     )
+
+
+def with_records(snapshot: ServiceSnapshot, **values: Timed[Any] | None) -> ServiceSnapshot:
+    """The snapshot with other values of some records of the catalog, by name; None: never written."""
+    before = {record.name: snapshot.of(record) for record in records.CATALOG}
+    after = {name: timed for name, timed in {**before, **values}.items() if timed is not None}
+    return replace(snapshot, values=Snapshot(after))

@@ -322,6 +322,6 @@ def test_the_documentation_needs_no_internet(browser: Browser, server: PageServe
     change = page.locator("#operations details", has_text="PATCH")
     change.locator("summary").click()
     expect(change).to_contain_text("Sent as JSON: Wish")
-    expect(page.locator("#schemas details", has_text="Camera").first).to_be_attached()
+    expect(page.locator("#schemas details", has_text="CameraReport").first).to_be_attached()
     assert watched.complaints == []
     page.close()

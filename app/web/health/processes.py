@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
 from app.web.health.readiness import COMPILER, NEEDED, needed_processes, process_of, process_state
+from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 
 RESTART_HOLD_S = 1.0
@@ -15,7 +16,8 @@ crashes again before ``hysteresis.RELEASE_S`` has passed, is worth a message."""
 def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """Processes that are disabled or crash again and again, beside those without which nothing is served."""
     ignored = needed_processes(snapshot) | {COMPILER}
-    for process in snapshot.processes.value.processes if snapshot.processes else ():
+    report = snapshot.of(records.PROCESSES)
+    for process in report.value.processes if report else ():
         if process.name not in ignored and (process.state == "disabled" or _is_crashing(process)):
             hold_s = RESTART_HOLD_S if _is_crashing(process) else 0.0
             text = f"a part of the service {'keeps crashing' if hold_s else 'has been given up'}"

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
+from vision_core.rtdb import records
 
 MS_PER_S = 1e3
 MIN_RATE = 0.9
@@ -28,7 +29,8 @@ def rate_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
 def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """A source whose pictures are farther apart than robots are remembered."""
     validity_s = snapshot.service.settings.tracks.validity_ms / MS_PER_S
-    rate_hz = snapshot.source.value.rate_hz if snapshot.source else snapshot.service.settings.camera.rate_hz
+    source = snapshot.of(records.source)
+    rate_hz = source.value.rate_hz if source else snapshot.service.settings.camera.rate_hz
     if rate_hz * validity_s < 1.0:
         delivers = f"the source delivers a picture every {1.0 / rate_hz:.3g} s"
         forgotten = f"robots are forgotten after {validity_s:g} s between two pictures"
@@ -59,7 +61,7 @@ def _expected_hz(snapshot: ServiceSnapshot) -> float:
 
     A recording is played at its own rate; a camera has to deliver the rate that the venue configures.
     """
-    source = snapshot.source
+    source = snapshot.of(records.source)
     return source.value.rate_hz if source and source.value.repeats else snapshot.service.settings.camera.rate_hz
 
 

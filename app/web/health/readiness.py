@@ -5,6 +5,7 @@ because everything after it follows from it.
 """
 
 from app.web.blackboard import ServiceSnapshot
+from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 
 COMPILER = "compile"
@@ -20,11 +21,12 @@ change with every image; a camera that has failed is reported by then."""
 
 def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[str, ...]:
     """Why no robot can be served right now; empty when robots are served."""
-    if snapshot.processes is None:
+    report = snapshot.of(records.PROCESSES)
+    if report is None:
         return ("the supervisor has not reported yet",)
-    if not snapshot.processes.valid:
-        return (f"the supervisor has not reported for {snapshot.processes.age_s:.1f} s",)
-    processes = snapshot.processes.value.processes
+    if not report.valid:
+        return (f"the supervisor has not reported for {report.age_s:.1f} s",)
+    processes = report.value.processes
     for process in processes:
         if process.name == COMPILER and process.state != "done":
             return (_compiling(process),)
@@ -36,7 +38,8 @@ def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[str, ...]:
 def is_starting(snapshot: ServiceSnapshot) -> bool:
     """Is a needed process started for the first time, or does it wait for the compiler?"""
     needed = needed_processes(snapshot) | {COMPILER}
-    processes = snapshot.processes.value.processes if snapshot.processes else ()
+    report = snapshot.of(records.PROCESSES)
+    processes = report.value.processes if report else ()
     first = [process for process in processes if process.name in needed and not process.restarts]
     return not processes or any(
         process.state in ("waiting", "starting") or (process.name == COMPILER and process.state == "running")
@@ -79,21 +82,21 @@ def _silence(snapshot: ServiceSnapshot) -> tuple[str, ...]:
         return (f"no image yet{_note(snapshot, 'source', 'capture')}",)
     if snapshot.frame.age_s > patience_s:
         return (f"the camera's image is {snapshot.frame.age_s:.1f} s old{_note(snapshot, 'source', 'capture')}",)
-    if snapshot.sightings is None:
+    sightings, serving = snapshot.of(records.sightings), snapshot.of(records.SERVING)
+    if sightings is None:
         return (f"no image has been analyzed yet{_note(snapshot, 'perceive')}",)
-    if snapshot.sightings.age_s > patience_s + MIN_PATIENCE_S:
-        age_s = snapshot.sightings.age_s
-        return (f"no image has been analyzed for {age_s:.1f} s{_note(snapshot, 'perceive')}",)
-    if snapshot.serving is None:
+    if sightings.age_s > patience_s + MIN_PATIENCE_S:
+        return (f"no image has been analyzed for {sightings.age_s:.1f} s{_note(snapshot, 'perceive')}",)
+    if serving is None:
         return (f"clients are not served yet{_note(snapshot, 'serve')}",)
-    if not snapshot.serving.valid:
-        return (f"clients have not been served for {snapshot.serving.age_s:.1f} s{_note(snapshot, 'serve')}",)
+    if not serving.valid:
+        return (f"clients have not been served for {serving.age_s:.1f} s{_note(snapshot, 'serve')}",)
     return ()
 
 
 def _patience_s(snapshot: ServiceSnapshot) -> float:
     """How old an image may be [s]."""
-    settings, source, capture = snapshot.service.settings, snapshot.source, snapshot.tasks.get("capture")
+    settings, source, capture = snapshot.service.settings, snapshot.of(records.source), snapshot.tasks.get("capture")
     promised_hz = source.value.rate_hz if source else settings.camera.rate_hz
     measured_hz = capture.value.rate_hz if capture and capture.valid else 0.0
     slowed_s = min(PATIENCE_PERIODS / measured_hz, MAX_SLOWED_PATIENCE_S) if measured_hz else 0.0

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
+from vision_core.rtdb import records
 
 REASONS = re.compile(r"; (?=[^;]*\brefused\b)")
 """Between two refusals in one sentence of a task."""
@@ -17,13 +18,13 @@ GRADES = {"B": "only fairly", "C": "badly"}
 def right_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """Refused rights, once for all tasks to which they are refused, and the grade of the self-test."""
     yield from _refusals(snapshot)
-    machine = snapshot.self_test
-    if machine and machine.grade in GRADES:
-        late_ms = machine.lateness_p99_us / US_PER_MS
+    test = snapshot.of(records.SELF_TEST)
+    if test and test.value.grade in GRADES:
+        grade, late_ms = test.value.grade, test.value.lateness_p99_us / US_PER_MS
         yield Degradation(
             "self-test",
-            f"this machine keeps time {GRADES[machine.grade]}",
-            f"class {machine.grade}, wake-ups are late by {late_ms:.2g} ms at p99",
+            f"this machine keeps time {GRADES[grade]}",
+            f"class {grade}, wake-ups are late by {late_ms:.2g} ms at p99",
         )
 
 

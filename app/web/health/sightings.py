@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
+from vision_core.rtdb import records
 
 NO_ROBOT_HOLD_S = 5.0
 """Robots are taken off the field for a moment in every match."""
@@ -30,21 +31,23 @@ def sighting_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
 
 def _no_robot(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """Every venue expects robots: a match has at least one number a team."""
-    if snapshot.sightings and not snapshot.sightings.value.robots:
-        explained = snapshot.diagnosis.value.reasons if snapshot.diagnosis and snapshot.diagnosis.valid else ()
+    sightings, diagnosis = snapshot.of(records.sightings), snapshot.recent(records.diagnosis)
+    if sightings and not sightings.value.robots:
+        explained = diagnosis.value.reasons if diagnosis else ()
         yield Degradation("no robot", "no robot is seen", "; ".join(explained[:1]), NO_ROBOT_HOLD_S)
 
 
 def _light(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
-    if snapshot.exposure and snapshot.exposure.valid:
-        for reason in snapshot.exposure.value.found.reasons:
-            yield Degradation("light", reason, hold_s=LIGHT_HOLD_S)
+    exposure = snapshot.recent(records.exposure)
+    for reason in exposure.value.found.reasons if exposure else ():
+        yield Degradation("light", reason, hold_s=LIGHT_HOLD_S)
 
 
 def _moved(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """Painted lines, or where none can be judged the carpet's boundary, are not where the venue has them."""
-    lines = snapshot.lines.value.found if snapshot.lines and snapshot.lines.valid else None
-    boundary = snapshot.boundary.value.found if snapshot.boundary and snapshot.boundary.valid else None
+    line_check, boundary_check = snapshot.recent(records.lines), snapshot.recent(records.boundary)
+    lines = line_check.value.found if line_check else None
+    boundary = boundary_check.value.found if boundary_check else None
     if lines and lines.known:
         if lines.found < MIN_LINES_FOUND * lines.known:
             found = f"{lines.found} of {lines.known} painted lines are where the venue has them"

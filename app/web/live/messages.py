@@ -20,6 +20,7 @@ from app.web.reports.tasks import tasks_from
 from app.web.reports.timing import timing_from
 from vision_core.clock import Instant, seconds_between
 from vision_core.native.opencv import encode_jpeg, shrink
+from vision_core.rtdb import records
 from vision_core.rtdb.items import Timed
 from vision_core.types.objects import Obstacles, Sightings
 from vision_core.types.tracks import World
@@ -139,7 +140,7 @@ class LiveMessages:
 
     def _encoded_state(self, pages: int) -> str:
         snapshot = self._blackboard.read()
-        sightings, obstacles = snapshot.sightings, snapshot.obstacles
+        sightings, obstacles = snapshot.of(records.sightings), snapshot.of(records.obstacles)
         state = State(
             topic=STATE,
             now_s=seconds_between(snapshot.service.boot, snapshot.now),
@@ -149,8 +150,8 @@ class LiveMessages:
             outlines_px=self._outlines.of_robots(sightings.value.robots) if sightings else [],
             obstacles=obstacles,
             obstacle_outlines_px=self._outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
-            world=snapshot.world,
-            views=snapshot.views,
+            world=snapshot.of(records.WORLD),
+            views=snapshot.of(records.VIEWS),
         )
         return msgspec.json.encode(state).decode()
 

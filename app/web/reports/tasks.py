@@ -94,7 +94,7 @@ SAID = tuple(entry.name for entry in fields(TaskInfo) if entry.name in Task.mode
 
 def task_from(snapshot: ServiceSnapshot, name: str) -> Task:
     """The report of one task. Raises KeyError for one that is not on the table."""
-    timed, proposal = snapshot.tasks.get(name), snapshot.proposed.get(name)
+    timed, proposal = snapshot.tasks.get(name), snapshot.overrides.get(name)
     proposed = Wish.of(proposal) if proposal is not None else None
     return _spoken(name, timed, proposed) if timed is not None else _silent(snapshot, name, proposed)
 

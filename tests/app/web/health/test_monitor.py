@@ -7,7 +7,7 @@ import pytest
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.monitor import HealthMonitor, HealthState
 from app.web.health.rates import RATE_HOLD_S
-from tests.app.fake_snapshot import processes, serving_snapshot, task_report
+from tests.app.fake_snapshot import processes, serving_snapshot, task_report, with_records
 from vision_core.clock import after
 
 
@@ -40,7 +40,7 @@ def test_what_follows_from_not_being_ready_is_not_listed(well: ServiceSnapshot) 
     monitor = HealthMonitor()
     slow = replace(well, tasks={"capture": task_report("capture", rate_hz=9.0)})
     monitor.judge(slow)
-    broken = replace(slow, processes=processes(serve=("disabled", ""), watch=("disabled", "")))
+    broken = with_records(slow, processes=processes(serve=("disabled", ""), watch=("disabled", "")))
     health = monitor.judge(later(broken, RATE_HOLD_S))
     assert (health.state, health.reasons) == (HealthState.NOT_READY, ("process serve is disabled",))
     assert [cause.key for cause in health.degradations] == ["process watch disabled"]

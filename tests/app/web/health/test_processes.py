@@ -6,7 +6,7 @@ import pytest
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.processes import RESTART_HOLD_S, process_degradations
-from tests.app.fake_snapshot import processes, serving_snapshot, task_report
+from tests.app.fake_snapshot import processes, serving_snapshot, task_report, with_records
 from vision_core.venues.loader import load_settings
 
 
@@ -28,7 +28,7 @@ def test_disabled_processes_name_the_tasks_that_are_not_done(well: ServiceSnapsh
     ends = "5 ends within a minute"
     states = {"watch": ("disabled", ends), "obstacles": ("disabled", ends), "spare-1": ("disabled", "")}
     given_up = "a part of the service has been given up"
-    assert sentences(replace(well, processes=processes(**states))) == [
+    assert sentences(with_records(well, processes=processes(**states))) == [
         f"{given_up}: process obstacles is disabled: {ends}",
         f"{given_up}: process watch is disabled: {ends} (boundary, lines, exposure, colors)",
         f"{given_up}: process spare-1 is disabled",
@@ -40,19 +40,19 @@ def test_a_process_that_restarts_is_a_cause_when_it_lasts(well: ServiceSnapshot,
     table = processes(watch=(state, "ended with signal SIGKILL"))
     again = tuple(replace(row, restarts=1) if row.name == "watch" else row for row in table.value.processes)
     restarted = replace(table, value=replace(table.value, processes=again))
-    (cause,) = process_degradations(replace(well, processes=restarted))
+    (cause,) = process_degradations(with_records(well, processes=restarted))
     assert cause.hold_s == RESTART_HOLD_S
     assert cause.text == "a part of the service keeps crashing"
     assert cause.detail.startswith(f"process watch is {state}: ended with signal SIGKILL")
 
 
 def test_a_process_that_starts_for_the_first_time_is_no_cause(well: ServiceSnapshot) -> None:
-    assert sentences(replace(well, processes=processes(watch=("starting", "")))) == []
+    assert sentences(with_records(well, processes=processes(watch=("starting", "")))) == []
 
 
 @pytest.mark.parametrize("name", ["source", "capture", "perceive", "serve", "compile"])
 def test_a_needed_process_belongs_to_readiness(well: ServiceSnapshot, name: str) -> None:
-    assert sentences(replace(well, processes=processes(**{name: ("disabled", "")}))) == []
+    assert sentences(with_records(well, processes=processes(**{name: ("disabled", "")}))) == []
 
 
 def test_a_task_that_was_switched_off_is_a_cause_unless_the_venue_has_it_so(well: ServiceSnapshot) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.rates import MAX_LAG_S, MIN_RATE, rate_degradations
-from tests.app.fake_snapshot import serving_snapshot, task_report, timed
+from tests.app.fake_snapshot import serving_snapshot, task_report, timed, with_records
 from vision_core.rtdb.infos import SourceInfo
 from vision_core.venues.loader import load_settings
 
@@ -31,7 +31,7 @@ def with_rates(snapshot: ServiceSnapshot, **rates_hz: float) -> ServiceSnapshot:
 
 def played(snapshot: ServiceSnapshot, rate_hz: float) -> ServiceSnapshot:
     """The snapshot with a recording of some rate [1/s] as source."""
-    return replace(snapshot, source=timed(SourceInfo("file:a.avi", "video a.avi", True, rate_hz)))
+    return with_records(snapshot, source=timed(SourceInfo("file:a.avi", "video a.avi", True, rate_hz)))
 
 
 def test_full_rates_are_no_cause(well: ServiceSnapshot) -> None:
@@ -52,7 +52,7 @@ def test_a_camera_that_delivers_less_than_configured(well: ServiceSnapshot) -> N
 
 
 def test_a_camera_that_promises_less_than_configured_is_compared_with_the_venue(well: ServiceSnapshot) -> None:
-    camera = replace(well, source=timed(SourceInfo("camera:0", "camera 0", False, 15.0)))
+    camera = with_records(well, source=timed(SourceInfo("camera:0", "camera 0", False, 15.0)))
     slow = with_rates(camera, capture=15.0, perceive=15.0, serve=15.0)
     assert sentences(slow) == ["the camera delivers 15.0 of 30 pictures a second"]
 

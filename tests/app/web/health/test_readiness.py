@@ -1,13 +1,24 @@
 """Readiness reports the first broken link of the chain."""
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from app.web.blackboard import FrameStamp, ServiceSnapshot
 from app.web.health.readiness import is_starting, reasons_not_ready
-from tests.app.fake_snapshot import EMPTY_FIELD, NOW, SEEN, processes, serving_snapshot, task_report, timed
+from tests.app.fake_snapshot import (
+    EMPTY_FIELD,
+    NOW,
+    SEEN,
+    processes,
+    serving_snapshot,
+    task_report,
+    timed,
+    with_records,
+)
 from vision_core.rtdb.infos import Processes, Serving
+from vision_core.rtdb.items import Timed
 from vision_core.venues.loader import load_settings
 
 
@@ -23,24 +34,24 @@ def test_a_service_that_serves_is_ready(well: ServiceSnapshot) -> None:
 
 def test_an_empty_field_is_ready(well: ServiceSnapshot) -> None:
     """A service that detects nothing is degraded, but it serves."""
-    assert reasons_not_ready(replace(well, sightings=timed(EMPTY_FIELD))) == ()
+    assert reasons_not_ready(with_records(well, sightings=timed(EMPTY_FIELD))) == ()
 
 
 @pytest.mark.parametrize("state", ["waiting", "starting", "running"])
 def test_compiling_is_the_only_reason(well: ServiceSnapshot, state: str) -> None:
     table = processes(compile=(state, "3 of 7: label pixels"), capture=("waiting", ""), serve=("waiting", ""))
-    snapshot = replace(well, processes=table, frame=None, sightings=None, serving=None)
+    snapshot = with_records(replace(well, frame=None), processes=table, sightings=None, serving=None)
     assert reasons_not_ready(snapshot) == ("compiling: 3 of 7: label pixels",)
 
 
 def test_a_failed_compiler_is_not_called_compiling(well: ServiceSnapshot) -> None:
-    snapshot = replace(well, processes=processes(compile=("disabled", "ended with exit status 1")))
+    snapshot = with_records(well, processes=processes(compile=("disabled", "ended with exit status 1")))
     assert reasons_not_ready(snapshot) == ("compiling failed: ended with exit status 1",)
 
 
 def test_every_broken_process_is_named(well: ServiceSnapshot) -> None:
     table = processes(capture=("restarting", "ended with signal SIGKILL"), perceive=("disabled", "5 ends in a minute"))
-    assert reasons_not_ready(replace(well, processes=table)) == (
+    assert reasons_not_ready(with_records(well, processes=table)) == (
         "process capture is restarting: ended with signal SIGKILL",
         "process perceive is disabled: 5 ends in a minute",
     )
@@ -49,30 +60,31 @@ def test_every_broken_process_is_named(well: ServiceSnapshot) -> None:
 @pytest.mark.parametrize("state", ["starting", "restarting", "disabled"])
 @pytest.mark.parametrize("name", ["diagnose", "watch", "obstacles", "spare-1"])
 def test_readiness_does_not_wait_for_watchers_and_spares(well: ServiceSnapshot, name: str, state: str) -> None:
-    assert reasons_not_ready(replace(well, processes=processes(**{name: (state, "ended")}))) == ()
+    assert reasons_not_ready(with_records(well, processes=processes(**{name: (state, "ended")}))) == ()
 
 
 def test_the_source_of_a_simulated_camera_is_waited_for(well: ServiceSnapshot) -> None:
-    starting = replace(well, processes=processes(source=("starting", "")))
+    starting = with_records(well, processes=processes(source=("starting", "")))
     assert reasons_not_ready(starting) == ("process source is starting",)
 
 
 def test_a_needed_task_may_share_a_process(well: ServiceSnapshot) -> None:
     shared = {"perceive": task_report("perceive", process="watch")}
-    broken = replace(well, tasks=shared, processes=processes(watch=("disabled", "")))
+    broken = with_records(replace(well, tasks=shared), processes=processes(watch=("disabled", "")))
     assert reasons_not_ready(broken) == ("process watch is disabled",)
 
 
 @pytest.mark.parametrize("task", ["source", "capture", "perceive", "serve"])
 def test_a_needed_task_that_is_switched_off(well: ServiceSnapshot, task: str) -> None:
-    off = replace(well, tasks={task: task_report(task, enabled=False)}, frame=None, sightings=None)
+    blind = with_records(replace(well, frame=None), sightings=None)
+    off = replace(blind, tasks={task: task_report(task, enabled=False)})
     assert reasons_not_ready(off) == (f"task {task} is switched off",)
     watcher = replace(well, tasks={"lines": task_report("lines", enabled=False)})
     assert reasons_not_ready(watcher) == ()
 
 
 def test_no_image_hides_what_follows_from_it(well: ServiceSnapshot) -> None:
-    snapshot = replace(well, frame=None, sightings=None, serving=None)
+    snapshot = with_records(replace(well, frame=None), sightings=None, serving=None)
     assert reasons_not_ready(snapshot) == ("no image yet",)
 
 
@@ -83,12 +95,13 @@ def test_the_note_of_the_responsible_task_is_the_cause(well: ServiceSnapshot) ->
     )
     assert reasons_not_ready(silent) == (f"no image yet ({note})",)
     cause = task_report("source", note="file a.png; found: nothing")
-    both = replace(silent, tasks=silent.tasks | {"source": cause})
+    both = replace(silent, tasks={**silent.tasks, "source": cause})
     assert reasons_not_ready(both) == ("no image yet (file a.png; found: nothing)",), "the source comes first"
 
 
 def test_the_age_of_an_old_image_is_reported(well: ServiceSnapshot) -> None:
-    snapshot = replace(well, frame=FrameStamp(7, NOW, 1.2), sightings=timed(SEEN, 1.2, valid=False))
+    old = replace(well, frame=FrameStamp(7, NOW, 1.2))
+    snapshot = with_records(old, sightings=timed(SEEN, 1.2, valid=False))
     assert reasons_not_ready(snapshot) == ("the camera's image is 1.2 s old",)
 
 
@@ -122,11 +135,11 @@ def test_a_camera_that_has_become_slow_is_given_its_periods_up_to_a_second(
 def test_a_start_is_told_from_a_failure(
     well: ServiceSnapshot, states: dict[str, tuple[str, str]], starting: bool
 ) -> None:
-    assert is_starting(replace(well, processes=processes(**states))) is starting
+    assert is_starting(with_records(well, processes=processes(**states))) is starting
 
 
 def test_a_service_without_a_supervisors_report_is_starting(well: ServiceSnapshot) -> None:
-    assert is_starting(replace(well, processes=None))
+    assert is_starting(with_records(well, processes=None))
 
 
 @pytest.mark.parametrize(
@@ -149,5 +162,5 @@ def test_a_service_without_a_supervisors_report_is_starting(well: ServiceSnapsho
         ),
     ],
 )
-def test_each_broken_link(well: ServiceSnapshot, change: dict[str, object], reason: str) -> None:
-    assert reasons_not_ready(replace(well, **change)) == (reason,)  # type: ignore[arg-type]
+def test_each_broken_link(well: ServiceSnapshot, change: dict[str, Timed[Any] | None], reason: str) -> None:
+    assert reasons_not_ready(with_records(well, **change)) == (reason,)

@@ -6,7 +6,7 @@ import pytest
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.rights import right_degradations
-from tests.app.fake_snapshot import serving_snapshot, task_report
+from tests.app.fake_snapshot import serving_snapshot, task_report, timed, with_records
 from tests.app.fake_tasks import Condition, self_test
 
 ALL = ("capture", "perceive", "serve", "boundary", "lines", "diagnose")
@@ -52,4 +52,4 @@ def test_a_refusal_may_hold_a_semicolon(well: ServiceSnapshot) -> None:
     ],
 )
 def test_a_machine_that_keeps_time_badly(well: ServiceSnapshot, p99_us: float, sentence: str) -> None:
-    assert sentences(replace(well, self_test=self_test(Condition(p99_us=p99_us)))) == [sentence]
+    assert sentences(with_records(well, selftest=timed(self_test(Condition(p99_us=p99_us))))) == [sentence]

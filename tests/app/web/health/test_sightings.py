@@ -1,13 +1,11 @@
 """A field without robots, bad light and a camera that was moved are causes of worse service."""
 
-from dataclasses import replace
-
 import pytest
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
 from app.web.health.sightings import MAX_BOUNDARY_OFF_PX, MAX_LINE_OFF_PX, NO_ROBOT_HOLD_S, sighting_degradations
-from tests.app.fake_snapshot import EMPTY_FIELD, NOW, serving_snapshot, timed
+from tests.app.fake_snapshot import EMPTY_FIELD, NOW, serving_snapshot, timed, with_records
 from vision_core.types.objects import Diagnosis
 from vision_core.types.regions import ExposureCheck, FieldBoundary, Finding, LineCheck
 
@@ -25,7 +23,7 @@ def snapshot(
 ) -> ServiceSnapshot:
     """What the checks found in one picture; reasons: of the exposure check; valid: the checks are recent."""
     exposure = ExposureCheck(231.0, 88.0, 0.001, reasons)
-    return replace(
+    return with_records(
         serving_snapshot(),
         lines=timed(Finding("main", 7, NOW, lines), valid=valid) if lines else None,
         boundary=timed(Finding("main", 7, NOW, boundary), valid=valid) if boundary else None,
@@ -43,11 +41,11 @@ def test_a_picture_in_order_is_no_cause() -> None:
 
 
 def test_no_robot_is_a_cause_when_it_lasts_and_says_why() -> None:
-    empty = replace(snapshot(), sightings=timed(EMPTY_FIELD))
+    empty = with_records(snapshot(), sightings=timed(EMPTY_FIELD))
     (cause,) = causes(empty)
     assert (cause.sentence, cause.hold_s) == ("no robot is seen", NO_ROBOT_HOLD_S)
     dark = Diagnosis("main", 7, NOW, ("too dark: lamps?", "and more"))
-    (cause,) = causes(replace(empty, diagnosis=timed(dark)))
+    (cause,) = causes(with_records(empty, diagnosis=timed(dark)))
     assert cause.sentence == "no robot is seen: too dark: lamps?"
 
 
