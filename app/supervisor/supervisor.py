@@ -100,7 +100,7 @@ class Supervisor:
                 self._replace(child, now)
         if not self._complete and all(child.state in SETTLED for child in self.children):
             self._complete = True
-            running = sum(child.state == "running" for child in self.children if not child.plan.once)
+            running = sum(child.state is ProcessState.RUNNING for child in self.children if not child.plan.once)
             self._log(f"{running} of {sum(not child.plan.once for child in self.children)} processes run")
         if self._complete:
             self.spares.refill(self.children, now)

@@ -18,6 +18,7 @@ from app.web.live.connection import Live
 from vision_core.clock import seconds_between
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, TIMINGS
+from vision_core.rtdb.process_state import ProcessState
 from vision_core.timing.histogram import EDGES_S, PER_OCTAVE, Counts
 from vision_core.types.objects import Team
 
@@ -39,7 +40,7 @@ TALLIES = {
     "overruns": "Runs longer than the budget",
     "collections": "Collections of garbage, all between two runs",
 }
-LIVING = ("running", "done")
+LIVING = (ProcessState.RUNNING, ProcessState.DONE)
 
 
 class ServiceCollector(Collector):

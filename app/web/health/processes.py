@@ -7,6 +7,7 @@ from app.web.health.degradation import Degradation
 from app.web.health.readiness import COMPILER, NEEDED, needed_processes, process_of, process_state
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
+from vision_core.rtdb.process_state import ProcessState
 
 RESTART_HOLD_S = 1.0
 """A spare process takes the place of a crashed one within 0.3 s. A process that is still not back after this time, or
@@ -18,7 +19,7 @@ def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     ignored = needed_processes(snapshot) | {COMPILER}
     report = snapshot.of(records.PROCESSES)
     for process in report.value.processes if report else ():
-        if process.name not in ignored and (process.state == "disabled" or _is_crashing(process)):
+        if process.name not in ignored and (process.state is ProcessState.DISABLED or _is_crashing(process)):
             hold_s = RESTART_HOLD_S if _is_crashing(process) else 0.0
             text = f"a part of the service {'keeps crashing' if hold_s else 'has been given up'}"
             tasks = _tasks_of(process.name, snapshot)
@@ -31,7 +32,8 @@ def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
 
 
 def _is_crashing(process: ProcessInfo) -> bool:
-    return process.state == "restarting" or (process.state == "starting" and process.restarts > 0)
+    again = process.state is ProcessState.STARTING and process.restarts > 0
+    return again or process.state is ProcessState.RESTARTING
 
 
 def _tasks_of(process: str, snapshot: ServiceSnapshot) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ because everything after it follows from it.
 from app.web.blackboard import ServiceSnapshot
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
+from vision_core.rtdb.process_state import ProcessState
 
 COMPILER = "compile"
 NEEDED = ("source", "capture", "perceive", "serve")
@@ -28,10 +29,14 @@ def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[str, ...]:
         return (f"the supervisor has not reported for {report.age_s:.1f} s",)
     processes = report.value.processes
     for process in processes:
-        if process.name == COMPILER and process.state != "done":
+        if process.name == COMPILER and process.state is not ProcessState.DONE:
             return (_compiling(process),)
     needed = needed_processes(snapshot)
-    broken = [process_state(process) for process in processes if process.name in needed and process.state != "running"]
+    broken = [
+        process_state(process)
+        for process in processes
+        if process.name in needed and process.state is not ProcessState.RUNNING
+    ]
     return tuple(broken) or _switched_off(snapshot) or _silence(snapshot)
 
 
@@ -42,7 +47,8 @@ def is_starting(snapshot: ServiceSnapshot) -> bool:
     processes = report.value.processes if report else ()
     first = [process for process in processes if process.name in needed and not process.restarts]
     return not processes or any(
-        process.state in ("waiting", "starting") or (process.name == COMPILER and process.state == "running")
+        process.state in (ProcessState.WAITING, ProcessState.STARTING)
+        or (process.name == COMPILER and process.state is ProcessState.RUNNING)
         for process in first
     )
 
@@ -72,7 +78,11 @@ def _switched_off(snapshot: ServiceSnapshot) -> tuple[str, ...]:
 
 def _compiling(process: ProcessInfo) -> str:
     detail = f": {process.detail}" if process.detail else ""
-    return f"compiling failed{detail}" if process.state in ("disabled", "stopped") else f"compiling{detail}"
+    return (
+        f"compiling failed{detail}"
+        if process.state in (ProcessState.DISABLED, ProcessState.STOPPED)
+        else f"compiling{detail}"
+    )
 
 
 def _silence(snapshot: ServiceSnapshot) -> tuple[str, ...]:

@@ -3,14 +3,16 @@
 from app.web.blackboard import ServiceSnapshot
 from app.web.reports.base import Report
 from vision_core.rtdb import records
+from vision_core.rtdb.process_state import ProcessState
 
 
 class ProcessReport(Report):
     """One process of the service; ``/api/v1/tasks`` reports what runs in it."""
 
     name: str
-    state: str
-    """waiting, starting, running, restarting, disabled, done or stopped."""
+    state: ProcessState
+    """waiting: not started yet; starting: no heartbeat yet; running; restarting: it has ended and is started again;
+    disabled: it has crashed too often; done: it runs once and has ended well; stopped: the service ends."""
     pid: int | None
     """Process id; null while it does not run."""
     restarts: int
