@@ -27,6 +27,7 @@ import numpy as np
 
 from bench.activation_task import FOLDER, begins_of
 from bench.baselines.build import build_program
+from bench.frame_path import policy_of
 from bench.helpers import sit_out
 from bench.load import full_load
 from bench.runner import Row
@@ -241,6 +242,5 @@ def _policies(attached: Attached) -> list[Row]:
     now = MonotonicClock().now()
     for task in TASKS:
         info = records.task(task.name).reader(attached.store).value(now)
-        refused = f" ({info.refused})" if info.refused else ""
-        rows.append({"name": f"{task.name}, every {PERIOD_MS} ms + {task.offset_ms}: {info.policy}{refused}"})
+        rows.append({"name": f"{task.name}, every {PERIOD_MS} ms + {task.offset_ms}: {policy_of(info)}"})
     return [*rows, {"name": f"beside the vision at a camera of {CAMERA_HZ} Hz"}]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import RAN, Release, StepResult
 
 FOLDER = "PSLV_BENCH_FOLDER"
 ROOM = 100_000
@@ -28,11 +28,12 @@ def start(handle: Handle) -> Step:
     with path.open("r+b") as file:
         begins = memoryview(mmap.mmap(file.fileno(), 0)).cast("q")
 
-    def step(_release: Release) -> None:
+    def step(_release: Release) -> StepResult:
         now = time.monotonic_ns()
         if begins[0] < ROOM:
             begins[begins[0] + 1] = now
             begins[0] += 1
+        return RAN
 
     return step
 

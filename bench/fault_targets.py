@@ -14,7 +14,7 @@ from vision_core.net.control import Attached
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.slots import SlotReader
-from vision_core.scheduling.task import Task
+from vision_core.rtdb.task import Task
 from vision_core.tasks.table import task_table
 
 FRAME_TASKS = ("source", "capture", "perceive", "serve")
@@ -65,7 +65,7 @@ class Service:
             return Victim(name, tasks, None)
         if name in FRAME_TASKS:
             return Victim(name, tasks, FRAME_LIMIT_S)
-        period_s = WEB_PERIOD_S if name == WEB else max(task.period_s for task in tasks)
+        period_s = WEB_PERIOD_S if name == WEB else max(task.times.period_s for task in tasks)
         return Victim(name, tasks, OTHERS_PERIODS * period_s + OTHERS_LIMIT_S)
 
     def processes(self) -> tuple[ProcessInfo, ...]:

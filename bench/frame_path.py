@@ -3,7 +3,7 @@
 from vision_core.clock import MonotonicClock
 from vision_core.net.control import Attached
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import TIMINGS
+from vision_core.rtdb.infos import TIMINGS, TaskInfo
 from vision_core.timing.histogram import Counts, decode, quantile_s
 
 FRAMES, SIGHTINGS, VIEWS = WAY = ("frames/main", "sightings/main", "views")
@@ -29,10 +29,16 @@ def quantile_us(counts: Counts, share: float) -> float:
     return (quantile_s(counts, share) or 0.0) * US_PER_S
 
 
+def policy_of(info: TaskInfo) -> str:
+    """The policy of a task, and why it is not the one that was asked for."""
+    refusals = "; ".join(map(str, info.refusals))
+    return f"{info.policy} ({refusals})" if refusals else info.policy
+
+
 def policies_of(attached: Attached, tasks: tuple[str, ...] = ("capture", *WORKERS)) -> str:
     """What tasks run under, and why it is not what was asked for."""
     now, said = MonotonicClock().now(), []
     for task in tasks:
         info = records.task(task).reader(attached.store).value(now)
-        said.append(f"{task} {info.policy}" + (f" ({info.refused})" if info.refused else ""))
+        said.append(f"{task} {policy_of(info)}")
     return ", ".join(said)

@@ -125,12 +125,12 @@ class Work:
         freeze_garbage()
         exact_timers()
         memory = lock_memory()
-        return "; ".join(filter(None, ("memory locked" if memory.locked else memory.refused, self.keep_time(core))))
+        return "; ".join((str(memory or "memory locked"), self.keep_time(core)))
 
     def keep_time(self, core: int) -> str:
         """Real-time priority on one core, nothing else; what was obtained."""
-        refused, standing = stay_on([core]), ask_priority(PRIORITY)
-        return "; ".join(filter(None, (standing.policy, standing.refused, refused)))
+        refusal, granted = stay_on([core]), ask_priority(PRIORITY)
+        return "; ".join(map(str, filter(None, (granted.policy, granted.refusal, refusal))))
 
     def frames(self, count: int) -> Report:
         """Work on some frames; what was noted of each, and what Python did meanwhile."""

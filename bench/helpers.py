@@ -76,8 +76,8 @@ def keep_time(priority: int) -> str:
     gc.freeze()
     gc.disable()
     exact_timers()
-    standing = ask_priority(priority)
-    return f"{standing.policy} ({standing.refused})" if standing.refused else standing.policy
+    granted = ask_priority(priority)
+    return f"{granted.policy} ({granted.refusal})" if granted.refusal else granted.policy
 
 
 def told_to_end(timeout_s: float = 0.0) -> bool:

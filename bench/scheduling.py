@@ -30,6 +30,7 @@ from bench.cambada.results import Loop, Modular, StoodStill, table_1, table_3, t
 from bench.cambada.test_sequence import BALL_GONE, FRAMES, GOALS_GONE, write_film
 from bench.cambada.venue import DIARIES, FILM, write_venue
 from bench.clients import Sleepers
+from bench.frame_path import policy_of
 from bench.helpers import ROOT, sit_out
 from bench.load import Load, full_load
 from bench.runner import OUT, Row
@@ -106,7 +107,7 @@ def _policies(control: str) -> dict[str, str]:
     now = MonotonicClock().now()
     infos = {name: records.task(name).reader(attached.store).value(now) for name in TASKS}
     attached.close()
-    return {name: f"{info.policy} ({info.refused})" if info.refused else info.policy for name, info in infos.items()}
+    return {name: policy_of(info) for name, info in infos.items()}
 
 
 def _within(rows: Rows, start: int, end: int) -> Rows:

@@ -19,7 +19,7 @@ import math
 
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, RAN, Release, StepResult
 
 
 def start(handle: Handle) -> Step:
@@ -27,15 +27,15 @@ def start(handle: Handle) -> Step:
     world = handle.reader(records.WORLD)
     nearest = handle.raw_writer("lab/nearest")
 
-    def step(_release: Release) -> bool:
-        """Called at every release; False: there was nothing to do."""
+    def step(_release: Release) -> StepResult:
+        """Called at every release; IDLE: there was nothing to do."""
         now = handle.clock.now()
         seen = world.read(now)
         if seen is None or not seen.valid or seen.value.ball is None or not seen.value.robots:
-            return False
+            return IDLE
         ball = seen.value.ball
         distance_m = min(math.hypot(robot.x_m - ball.x_m, robot.y_m - ball.y_m) for robot in seen.value.robots)
         nearest.write(f"{distance_m:.3f} m".encode(), seen.measured, now)
-        return True
+        return RAN
 
     return step

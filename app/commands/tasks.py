@@ -12,7 +12,7 @@ from app.commands.options import ConfigFile, Venue
 from vision_core.models.camera_setup import CameraSetup
 
 if TYPE_CHECKING:
-    from vision_core.scheduling.task import Task
+    from vision_core.rtdb.task import Task
 
 
 def tasks(
@@ -40,14 +40,16 @@ def tasks(
 
 
 def _drawn(table: "tuple[Task, ...]") -> Table:
+    from vision_core.tasks.table import ALWAYS_READ
+
     drawn = Table("task", "released by", "priority", "budget", "process", "reads", "writes", box=None, pad_edge=False)
-    for task in sorted(table, key=lambda task: -task.priority):
-        own = [record for record in task.reads if record not in ("service", "proposed_settings")]
+    for task in sorted(table, key=lambda task: -task.times.priority):
+        own = [record for record in task.reads if record not in ALWAYS_READ]
         drawn.add_row(
-            task.name if task.enabled else f"{task.name} (off)",
+            task.name if task.times.enabled else f"{task.name} (off)",
             _release(task),
-            f"FIFO {task.priority}" if task.priority else "ordinary",
-            f"{task.budget_s * 1e3:g} ms" if task.budget_s else "-",
+            f"FIFO {task.times.priority}" if task.times.priority else "ordinary",
+            f"{task.times.budget_ms:g} ms" if task.times.budget_ms else "-",
             task.process,
             " ".join(own),
             " ".join(task.writes),
@@ -56,9 +58,12 @@ def _drawn(table: "tuple[Task, ...]") -> Table:
 
 
 def _release(task: "Task") -> str:
-    """In words, what releases it."""
-    period = f"every {task.period_s * 1e3:g} ms" if task.period_s else ""
-    if task.trigger == "period":
-        return f"{period} + {task.offset_s * 1e3:g}" if task.offset_s else period
-    words = {"driver": "its driver", "none": "itself"}.get(task.trigger, task.trigger)
-    return f"{words}, {period}" if period else words
+    """What releases a task, in words."""
+    from vision_core.rtdb.task import DRIVER, NONE, PERIOD
+
+    times = task.times
+    period = f"every {times.period_ms:g} ms" if times.period_ms else ""
+    if task.trigger == PERIOD:
+        return f"{period} + {times.offset_ms:g}" if times.offset_ms else period
+    trigger = {DRIVER: "its driver", NONE: "itself"}.get(task.trigger, task.trigger)
+    return f"{trigger}, {period}" if period else trigger

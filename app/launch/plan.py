@@ -11,6 +11,7 @@ import msgspec
 
 from app.launch.resource_owners import port_holder
 from app.supervisor.plan import ChildPlan, ServicePlan
+from app.web import PROCESS as WEB_PROCESS
 from vision_core.capture.source import is_device
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
@@ -19,7 +20,7 @@ from vision_core.net.control import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
-from vision_core.scheduling.task import DRIVER, MAX_RUN_S, NONE, ORDINARY_MAX_RUN_S, Task
+from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
 from vision_core.settings.schema import Settings
 from vision_core.startup import COMPILE, PROCESS, SPARE
 from vision_core.tasks.table import COMPILER, record_specs, task_table
@@ -64,6 +65,7 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         http=f"http://{_shown(http)}",
         udp=f"{_shown(main)}, sessions {session.getsockname()[1]}",
         settings=settings,
+        tasks=tasks,
     )
     plan = ServicePlan(
         children=children,
@@ -93,7 +95,7 @@ def prepare_data_folder() -> None:
 
 
 def _compiler() -> ChildPlan:
-    """Runs once, before everything that needs compiled kernels."""
+    """The process that compiles the kernels, before everything that needs them."""
     return ChildPlan(
         name=COMPILER,
         module=COMPILE,
@@ -109,13 +111,13 @@ def _compiler() -> ChildPlan:
 
 
 def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPlan]:
-    """A process for every name that the table has for one, in the table's order."""
+    """Every process that the table names, in the table's order."""
     for process in dict.fromkeys(task.process for task in tasks):
         ours = [task for task in tasks if task.process == process]
-        own_loop = ours[0].trigger == NONE
+        own_loop = ours[0].own_loop
         yield ChildPlan(
             name=process,
-            module=ours[0].module if own_loop else PROCESS,
+            module=WEB_PROCESS if own_loop else PROCESS,
             wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
             writes=tuple(record for task in ours for record in task.writes),
             sockets=tuple(name for task in ours for name in task.sockets),
@@ -123,7 +125,8 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
             once=False,
             heartbeat_s=HEARTBEAT_S + max(_slack_s(task, settings) for task in ours),
             longest_run_s=_longest_run_s(ours),
-            real_time=any(task.priority for task in ours),
+            purpose=", ".join(task.purpose for task in ours if task.purpose),
+            real_time=any(task.times.priority for task in ours),
         )
 
 
@@ -143,14 +146,14 @@ def _longest_run_s(tasks: Sequence[Task]) -> float:
 
     An ordinary process that computes for long delays nothing, so its limit is generous.
     """
-    if not any(task.priority for task in tasks):
+    if not any(task.times.priority for task in tasks):
         return ORDINARY_MAX_RUN_S
-    return min(max(SHORT_RUN_S, *(max(task.period_s, task.budget_s) for task in tasks)), MAX_RUN_S)
+    return min(max(SHORT_RUN_S, *(max(task.times.period_s, task.times.budget_s) for task in tasks)), MAX_RUN_S)
 
 
 def _slack_s(task: Task, settings: Settings) -> float:
     """How much longer than HEARTBEAT_S a healthy process may take between two heartbeats because of a task [s]."""
-    if task.trigger == NONE:
+    if task.own_loop:
         return OWN_LOOP_S
     if task.trigger == DRIVER and is_device(settings):
         return BLOCKED_DRIVER_S

@@ -43,8 +43,7 @@ The live connection of the page is the WebSocket `/live`: send any message, and 
 def create_app(store: Store) -> FastAPI:
     """The application on a database. Raises LookupError before the supervisor's first record."""
     blackboard = Blackboard(store)
-    settings = blackboard.service.settings
-    task = own_line(settings)
+    task = own_line(blackboard.service.tasks)
     metrics = TaskMetrics(store, task, task.process)
     monitor = HealthMonitor()
     live = Live(blackboard, monitor, metrics)
@@ -74,7 +73,7 @@ def create_app(store: Store) -> FastAPI:
     install_problems(app)
     app.include_router(health_routes(blackboard, monitor))
     app.include_router(api_routes(blackboard, monitor))
-    app.include_router(task_routes(blackboard, Proposals(store, settings)))
+    app.include_router(task_routes(blackboard, Proposals(store, blackboard.service)))
     app.include_router(timing_routes(blackboard, monitor, live))
     app.include_router(page_routes())
     app.mount("/web", static_files())

@@ -17,6 +17,7 @@ from vision_core.rtdb.infos import LAGS, TIMINGS, ServiceInfo, TaskInfo, TaskOve
 from vision_core.rtdb.items import CameraRecord, Item, Timed
 from vision_core.rtdb.slots import READ_TRIES, SlotReader, SlotView
 from vision_core.rtdb.store import Store
+from vision_core.rtdb.task import Task
 from vision_core.timing.histogram import Counts, decode
 
 T = TypeVar("T")
@@ -58,6 +59,10 @@ class ServiceSnapshot:
     """Every task, in the order of the task table."""
     tasks: Mapping[str, Timed[TaskInfo]]
     """The newest report of each task by its name; a task that has never reported is missing."""
+
+    def task(self, name: str) -> Task:
+        """A task's line of the task table. Raises KeyError for an unknown name."""
+        return self.service.task(name)
 
     def of(self, record: Item[T] | CameraRecord[T]) -> Timed[T] | None:
         """The newest value of a record, however old; None before it was first written."""

@@ -106,7 +106,7 @@ def _tasks(snapshot: ServiceSnapshot) -> Iterator[Metric]:
     spoken = {name: timed.value for name, timed in snapshot.tasks.items() if timed.valid}
     enabled = GaugeMetricFamily("pslv_task_enabled", "0 while a task is switched off", labels=LABELS)
     for name, told in spoken.items():
-        enabled.add_metric([name, told.process], told.enabled)
+        enabled.add_metric([name, told.process], told.times.enabled)
     yield enabled
     for tally, words in TALLIES.items():
         family = CounterMetricFamily(f"pslv_task_{tally}", words, labels=LABELS)

@@ -1,56 +1,50 @@
-"""What people want changed while the service runs: checked as the task table was at the start, then written down.
+"""Changes of tasks while the service runs: checked as the task table was at the start, then written to the database.
 
-The record ``proposed_settings`` has one writer, the web process; every process of the service looks at it in its own
-time and says in ``task/<name>`` what is so. A web process that was started again goes on with what is there.
+The record ``proposed_settings`` has one writer, the web process; every process of the service reads it in its own time
+and writes to ``task/<name>`` how its tasks run. A web process that was started again keeps the changes of
+its predecessor.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from http import HTTPStatus
 
 from app.web.problems import RequestRefused
-from app.web.reports.tasks import Task, Wish
+from app.web.reports.tasks import Wish
 from vision_core.clock import MonotonicClock
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import ProposedSettings, TaskOverride
+from vision_core.rtdb.infos import ProposedSettings, ServiceInfo, TaskOverride
 from vision_core.rtdb.store import Store
-from vision_core.scheduling import task as table
-from vision_core.scheduling.checks import problems
-from vision_core.settings.schema import Settings
-
-FIXED = {"capture": "its camera", "source": "capture's orders"}
-"""Tasks whose period is not theirs, and whose it is."""
-LOOPS = ("web",)
-"""Tasks with a loop of their own, which nobody can slow or stop from outside."""
-MS_PER_S = 1e3
+from vision_core.scheduling.checks import TableProblem, rate_problems
+from vision_core.scheduling.executive import with_override
 
 
 class Proposals:
-    """All proposals, in the database."""
+    """All overrides, in the database."""
 
-    def __init__(self, store: Store, settings: Settings) -> None:
-        self._settings = settings
+    def __init__(self, store: Store, service: ServiceInfo) -> None:
+        self._rate_hz = service.settings.camera.rate_hz
+        self._table = {task.name: task for task in service.tasks}
         self._clock = MonotonicClock()
         self._writer = records.PROPOSED.writer(store)
         told = records.PROPOSED.reader(store).read(self._clock.now())
         self._tasks = dict(told.value.tasks) if told else {}
 
     def wanted(self, name: str) -> TaskOverride:
-        """What is wanted of a task."""
+        """The override of a task."""
         return self._tasks.get(name, TaskOverride())
 
-    def change(self, tasks: Sequence[Task], name: str, wish: Wish) -> None:
-        """Want something of a task beside what was wanted: only the keys that the wish names count.
+    def change(self, name: str, wish: Wish) -> None:
+        """Change the override of a task by the keys that the wish names.
 
-        tasks: all of them, as they are. Raises RequestRefused for what cannot be.
+        Raises RequestRefused when the task cannot be changed so.
         """
-        task = next(task for task in tasks if task.name == name)
         changed = replace(self.wanted(name), **{key: getattr(wish, key) for key in wish.model_fields_set})
-        self._check(tasks, task, wish, changed)
+        self._check(name, wish, changed)
         self._propose(name, changed)
 
     def withdraw(self, name: str) -> None:
-        """Want nothing of a task but what the table says."""
+        """Let a task run as the table has it."""
         self._propose(name, TaskOverride())
 
     def _propose(self, name: str, proposal: TaskOverride) -> None:
@@ -62,28 +56,26 @@ class Proposals:
         now = self._clock.now()
         self._writer.write(ProposedSettings(dict(self._tasks)), now, now)
 
-    def _check(self, tasks: Sequence[Task], task: Task, wish: Wish, changed: TaskOverride) -> None:
-        if task.name in LOOPS or task.trigger == table.NONE:
+    def _check(self, name: str, wish: Wish, changed: TaskOverride) -> None:
+        task = self._table[name]
+        if task.own_loop:
             raise RequestRefused(
                 HTTPStatus.CONFLICT,
-                f"a change of task {task.name}",
+                f"a change of task {name}",
                 found="it runs in a loop of its own",
                 accepted="a change of its line in the venue file, at the next start",
             )
-        asked = f"{_words(wish)} for task {task.name}"
-        if wish.period_ms and task.name in FIXED:
+        asked = f"{_words(wish)} for task {name}"
+        if wish.period_ms and task.period_owner:
             raise RequestRefused(
                 HTTPStatus.UNPROCESSABLE_ENTITY,
                 asked,
-                found=f"its period is that of {FIXED[task.name]}",
+                found=f"its period is that of {task.period_owner}",
                 accepted="null or 0",
             )
-        rate_hz = self._settings.camera.rate_hz
-        before = [self._line(each, self.wanted(each.name)) for each in tasks]
-        after = [self._line(each, changed if each is task else self.wanted(each.name)) for each in tasks]
-        given = [line.trigger for line in after]
-        known = problems(before, given, rate_hz)
-        for problem in problems(after, given, rate_hz):
+        overrides = {each: self.wanted(each) for each in self._table}
+        known = self._problems(overrides)
+        for problem in self._problems(overrides | {name: changed}):
             if problem not in known:
                 raise RequestRefused(
                     HTTPStatus.UNPROCESSABLE_ENTITY,
@@ -92,23 +84,10 @@ class Proposals:
                     accepted=problem.accepted,
                 )
 
-    def _line(self, task: Task, proposal: TaskOverride) -> table.Task:
-        """A task's line of the table as somebody wants it, without what it reads and writes."""
-        declared = self._settings.tasks[task.name]
-        trigger = task.trigger or table.PERIOD
-        period_ms = declared.period_ms if proposal.period_ms is None else proposal.period_ms
-        return table.Task(
-            name=task.name,
-            module="",
-            trigger=trigger,
-            reads=(trigger,),
-            writes=(),
-            process=task.process,
-            priority=declared.priority if proposal.priority is None else proposal.priority,
-            period_s=period_ms / MS_PER_S,
-            budget_s=declared.budget_ms / MS_PER_S,
-            enabled=declared.enabled if proposal.enabled is None else proposal.enabled,
-        )
+    def _problems(self, overrides: Mapping[str, TaskOverride]) -> list[TableProblem]:
+        """What is wrong with the rates of the task table when these overrides hold."""
+        tasks = [with_override(task, overrides[name]) for name, task in self._table.items()]
+        return list(rate_problems(tasks, self._rate_hz))
 
 
 def _words(wish: Wish) -> str:

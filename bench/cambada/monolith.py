@@ -36,8 +36,8 @@ def main() -> None:
     exact_timers()
     if int(priority):
         lock_memory()
-    standing = ask_priority(int(priority))
-    print(f"{standing.policy}, FIFO {priority} refused" if standing.refused else standing.policy)
+    granted = ask_priority(int(priority))
+    print(f"{granted.policy}, FIFO {priority} refused" if granted.refusal else granted.policy)
     for name, diary in run(film, detectors, float(seconds)).items():
         diary.save(Path(folder), name)
 

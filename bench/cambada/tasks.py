@@ -14,7 +14,7 @@ from bench.cambada.detectors import Places, detector_of
 from bench.cambada.venue import diaries_of
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import RAN, Release, StepResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,15 +37,15 @@ def start(handle: Handle) -> Step:
     diary = Diary()
     atexit.register(diary.save, diaries_of(handle.settings.source.uri), handle.task.name)
 
-    def step(release: Release) -> bool:
+    def step(release: Release) -> StepResult:
         began = handle.clock.now()
-        image = images.newest(release)
+        image = images.newest()
         if image is None:
-            return False
+            return images.none_result
         places = detector.look(image.pixels, image.grabbed)
         done = handle.clock.now()
         findings.write(encoder.encode(Finding(image.number, places)), image.grabbed, done)
         diary.note(release.due, began, done, image.number, found=places is not None)
-        return True
+        return RAN
 
     return step

@@ -98,10 +98,9 @@ class FakeService:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
-        self.put(
-            records.SERVICE,
-            ServiceInfo("0.1.0", self.boot, "http://127.0.0.1:8000", "127.0.0.1:6000, sessions 6001", self.settings),
-        )
+        addresses = "http://127.0.0.1:8000", "127.0.0.1:6000, sessions 6001"
+        info = ServiceInfo("0.1.0", self.boot, *addresses, self.settings, task_table(self.settings))
+        self.put(records.SERVICE, info)
         self.put(records.SELF_TEST, self_test(self.scene.condition))
 
     def put(self, item: Item[T], value: T, measured: Instant | None = None) -> None:

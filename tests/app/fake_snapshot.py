@@ -48,7 +48,7 @@ def serving_snapshot() -> ServiceSnapshot:
     }
     return ServiceSnapshot(
         now=NOW,
-        service=ServiceInfo("1", Instant(0), "http://h:1", "h:2", SETTINGS),
+        service=ServiceInfo("1", Instant(0), "http://h:1", "h:2", SETTINGS, tuple(TASKS.values())),
         frame=FrameStamp(7, NOW, 0.02),
         values=Snapshot(values),
         task_names=tuple(TASKS),

@@ -11,11 +11,21 @@ import numpy as np
 
 from vision_core.clock import NS_PER_MS, Instant
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import LAGS, TIMINGS, ClientInfo, ProcessInfo, SelfTest, TaskInfo, TaskOverride
+from vision_core.rtdb.infos import (
+    LAGS,
+    TIMINGS,
+    ClientInfo,
+    ProcessInfo,
+    Refusal,
+    RefusalKind,
+    SelfTest,
+    TaskInfo,
+    TaskOverride,
+)
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.process_state import ProcessState
+from vision_core.rtdb.task import Task
 from vision_core.scheduling.executive import with_override
-from vision_core.scheduling.task import Task
 from vision_core.timing.histogram import Histograms
 from vision_core.types.objects import Team
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
@@ -24,12 +34,16 @@ RESPONSES_MS = {"capture": 0.08, "perceive": 1.9, "serve": 1.1, "source": 9.0, "
 """Median; 3 where nothing is said."""
 RATE_HZ = 30.0
 FRAME_MS = 1e3 / RATE_HZ
-REFUSED = (
-    "SCHED_FIFO {} is refused: no CAP_SYS_NICE, and ulimit -r is 0; "
-    "locking memory is refused: no CAP_IPC_LOCK, and ulimit -l is 8192 KiB"
-)
 SPARES = ("spare-1", "spare-2")
 COUNTED = 600
+
+
+def refusals(priority: int) -> tuple[Refusal, Refusal]:
+    """Of a kernel that grants no rights."""
+    return (
+        Refusal(RefusalKind.PRIORITY, str(priority), "no CAP_SYS_NICE, and ulimit -r is 0"),
+        Refusal(RefusalKind.MEMORY, "", "no CAP_IPC_LOCK, and ulimit -l is 8192 KiB"),
+    )
 
 
 @dataclass
@@ -51,7 +65,7 @@ def self_test(condition: Condition) -> SelfTest:
     """As measured at the start."""
     p99_us = condition.p99_us
     grade = "A" if p99_us < 200.0 else "B" if p99_us < 2000.0 else "C"
-    refused, _, memory = ("" if condition.rights else REFUSED.format(50)).partition("; ")
+    refused, memory = ("", "") if condition.rights else map(str, refusals(50))
     policy = "FIFO 50" if condition.rights else "nice -10"
     return SelfTest(grade, policy, refused, condition.rights, memory, 400, 30.0, p99_us, 3.0 * p99_us)
 
@@ -67,28 +81,24 @@ def process_infos(tasks: Sequence[Task], states: dict[str, tuple[str, str]]) -> 
     return tuple(infos)
 
 
-def task_info(task: Task, proposal: TaskOverride, frames: int, condition: Condition) -> TaskInfo:
-    """Of one task after some frames, as it runs when it obeys a proposal."""
-    running = with_override(task, proposal)
-    interval_ms = running.period_s * 1e3 or FRAME_MS
+def task_info(task: Task, override: TaskOverride, frames: int, condition: Condition) -> TaskInfo:
+    """Of one task after some frames, as it runs with an override."""
+    times = with_override(task, override).times
+    interval_ms = times.period_ms or FRAME_MS
     response_ms = RESPONSES_MS.get(task.name, 3.0)
-    granted = condition.rights or not running.priority
+    granted = condition.rights or not times.priority
     return TaskInfo(
         pid=os.getpid(),
         process=task.process,
-        enabled=running.enabled,
-        trigger=running.trigger,
-        period_ms=running.period_s * 1e3,
-        offset_ms=running.offset_s * 1e3,
-        priority=running.priority,
-        budget_ms=running.budget_s * 1e3,
-        policy=("ordinary" if not running.priority else f"FIFO {running.priority}" if granted else "nice -10"),
-        refused="" if granted else REFUSED.format(running.priority),
+        trigger=task.trigger,
+        times=times,
+        policy=("ordinary" if not times.priority else f"FIFO {times.priority}" if granted else "nice -10"),
+        refusals=() if granted else refusals(times.priority),
         runs=frames,
         missed=2,
         overruns=1 if task.name == "lines" else 0,
         collections=3,
-        rate_hz=0.0 if not running.enabled else 1.0 / running.period_s if running.period_s else RATE_HZ,
+        rate_hz=0.0 if not times.enabled else 1.0 / times.period_s if times.period_s else RATE_HZ,
         response_median_ms=response_ms,
         response_max_ms=2.4 * response_ms,
         interval_mean_ms=interval_ms,
@@ -102,7 +112,7 @@ def timing_of(task: Task) -> bytes:
     """Histograms of one task: the same ones every time."""
     response_ms = RESPONSES_MS.get(task.name, 3.0)
     middles_ms = {"lateness": 0.03, "execution": 0.97 * response_ms, "response": response_ms}
-    return _drawn(TIMINGS, middles_ms | {"interval": task.period_s * 1e3 or FRAME_MS})
+    return _drawn(TIMINGS, middles_ms | {"interval": task.times.period_ms or FRAME_MS})
 
 
 def lags_of(condition: Condition) -> bytes:

@@ -10,8 +10,8 @@ import sys
 from app.supervisor.plan import ChildPlan, ServicePlan
 from app.supervisor.supervisor import Supervisor
 from vision_core.rtdb.layout import RecordSpec
+from vision_core.rtdb.task import ORDINARY_MAX_RUN_S
 from vision_core.scheduling.attachment import monotonic
-from vision_core.scheduling.task import ORDINARY_MAX_RUN_S
 
 
 def main(arguments: list[str]) -> int:

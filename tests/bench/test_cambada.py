@@ -27,7 +27,7 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.store import create_block
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, RAN, Release
 from vision_core.tasks.table import check_table, record_specs, task_table
 from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
 
@@ -203,12 +203,12 @@ def test_the_venue_has_the_papers_table_as_it_stands(tmp_path: Path) -> None:
     table = {task.name: task for task in task_table(settings)}
     for name, line in TASKS.items():
         task = table[name]
-        times = task.period_s * 1e3, task.priority, task.offset_s * 1e3
+        times = task.times.period_ms, task.times.priority, task.times.offset_ms
         assert times == pytest.approx((line.period_ms, line.priority, line.offset_ms))
-        assert (task.process, task.trigger, task.enabled) == (name, "period", True)
+        assert (task.process, task.trigger, task.times.enabled) == (name, "period", True)
     assert {task.process for task in table.values() if task.name in TASKS} == set(TASKS)
-    others = [task for task in table.values() if task.name not in {*TASKS, "capture"} and task.enabled]
-    assert max(task.priority for task in others) < min(line.priority for line in TASKS.values())
+    others = [task for task in table.values() if task.name not in {*TASKS, "capture"} and task.times.enabled]
+    assert max(task.times.priority for task in others) < min(line.priority for line in TASKS.values())
     assert diaries_of(settings.source.uri) == tmp_path / DIARIES
     assert settings.source.uri == f"file:{tmp_path / FILM}"
 
@@ -252,10 +252,10 @@ def test_a_task_writes_what_it_finds_in_the_newest_image(tmp_path: Path) -> None
     handle, clock = Handle(task, attachment, settings, CameraSetup.from_settings(settings)), MonotonicClock()
     step = start(handle)
     release = Release(clock.now(), clock.now())
-    assert step(release) is False, "there is no image yet"
+    assert step(release) == IDLE, "there is no image yet"
     frames = attachment.store.writer("frames/main")
     frames.write(image_of({}).tobytes(), clock.now(), clock.now())
-    assert step(release) is True
+    assert step(release) == RAN
     reading = attachment.store.reader("cambada/bgoal").read(clock.now())
     assert reading is not None
     finding = msgspec.msgpack.decode(bytes(reading.value), type=Finding)

@@ -9,6 +9,7 @@ from vision_core.rtdb.infos import Processes, ProcessInfo, ServiceInfo
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.store import Store, create_block
+from vision_core.tasks.table import task_table
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
 from vision_core.types.tracks import BallTrack, RobotTrack, World
 from vision_core.venues.loader import load_settings
@@ -43,7 +44,9 @@ def test_world() -> None:
 
 
 def test_service_holds_all_settings() -> None:
-    info = ServiceInfo("1.2.3", Instant(5), "http://127.0.0.1:8000", "127.0.0.1:6000", load_settings())
+    info = ServiceInfo(
+        "1.2.3", Instant(5), "http://127.0.0.1:8000", "127.0.0.1:6000", load_settings(), task_table(load_settings())
+    )
     assert round_trip(records.SERVICE, info) == info
 
 

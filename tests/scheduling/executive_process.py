@@ -10,24 +10,25 @@ import time
 from dataclasses import asdict
 from typing import Any
 
+from tests.scheduling.tables import line
 from vision_core.clock import MonotonicClock
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProposedSettings, TaskOverride
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.store import create_block
+from vision_core.rtdb.task import PERIOD, Task
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.executive import Executive
 from vision_core.scheduling.handle import Handle
 from vision_core.scheduling.releases import Release
-from vision_core.scheduling.task import PERIOD, Task
 from vision_core.venues.loader import load_settings
 
 IMAGES, SEEN = packed("images", int, 64, 1.0), packed("seen", int, 64, 1.0)
 TASKS = (
-    Task("slow", "m", PERIOD, (), (), "p", priority=3, period_s=0.04),
-    Task("eyes", "m", "images", ("images",), ("seen",), "p", priority=5, budget_s=1e-9),
-    Task("idle", "m", PERIOD, (), (), "p", priority=4, period_s=0.02),
+    line("slow", PERIOD, (), (), "p", priority=3, period_s=0.04),
+    line("eyes", "images", ("images",), ("seen",), "p", priority=5, budget_s=1e-9),
+    line("idle", PERIOD, (), (), "p", priority=4, period_s=0.02),
 )
 PHASE_S = 0.5
 

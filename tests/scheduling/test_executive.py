@@ -8,9 +8,11 @@ from typing import Any
 import pytest
 
 from tests.conftest import ROOT
+from tests.scheduling.tables import line
 from vision_core.rtdb.infos import TaskOverride
+from vision_core.rtdb.task import PERIOD
 from vision_core.scheduling.executive import with_override
-from vision_core.scheduling.task import PERIOD, Task
+from vision_core.settings.schema import TaskTimes
 
 pytestmark = pytest.mark.slow
 
@@ -54,8 +56,8 @@ def test_a_run_with_nothing_to_do_does_not_count(ran: dict[str, Any]) -> None:
     assert ran["told"]["idle"]["runs"] == 0
 
 
-def test_a_proposal_changes_what_it_names() -> None:
-    task = Task("t", "m", PERIOD, (), (), "t", priority=3, period_s=0.1)
+def test_an_override_changes_what_it_names() -> None:
+    task = line("t", PERIOD, (), (), "t", priority=3, period_s=0.1)
     assert with_override(task, TaskOverride()) == task
     changed = with_override(task, TaskOverride(enabled=False, period_ms=20.0, priority=0))
-    assert (changed.enabled, changed.period_s, changed.priority) == (False, 0.02, 0)
+    assert changed.times == TaskTimes(priority=0, period_ms=20.0, budget_ms=0.0, enabled=False)

@@ -7,19 +7,20 @@ from dataclasses import replace
 
 import pytest
 
+from tests.scheduling.tables import line
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import create_block
+from vision_core.rtdb.task import PERIOD
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle
-from vision_core.scheduling.task import PERIOD, Task
 from vision_core.venues.loader import load_settings
 
 SEEN, TOLD, OTHER = (packed(name, int, 64, 1.0) for name in ("seen", "told", "other"))
-TASK = Task("mine", "m", PERIOD, ("seen",), ("told",), "mine", period_s=0.1)
+TASK = line("mine", PERIOD, ("seen",), ("told",), "mine", period_s=0.1)
 SPECS = (*(item.spec for item in (SEEN, TOLD, OTHER)), RecordSpec("heartbeat/mine", 8, 1.0))
 
 

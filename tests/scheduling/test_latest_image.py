@@ -6,7 +6,7 @@ from typing import Any
 from vision_core.clock import Instant, ManualClock
 from vision_core.rtdb.slots import READ_TRIES, SlotView
 from vision_core.scheduling.latest_image import Images
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, StepResult
 from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
@@ -35,18 +35,16 @@ def images_from(overtakes: int) -> tuple[Images, Any]:
     return Images(handle), handle
 
 
-def test_a_copy_that_was_overtaken_is_made_again() -> None:
+def test_a_copy_that_was_overwritten_is_made_again() -> None:
     images, handle = images_from(READ_TRIES - 1)
-    release = Release(Instant(0), Instant(0))
-    image = images.newest(release)
+    image = images.newest()
     assert image is not None
-    assert (image.number, int(image.pixels.min()), release.missed) == (5, 7, 0)
-    assert handle.note == "the camera overtook 2 copies of its images"
+    assert (image.number, int(image.pixels.min()), images.none_result) == (5, 7, IDLE)
+    assert handle.note == "the camera overwrote 2 images while they were copied"
 
 
-def test_a_release_whose_copies_were_all_overtaken_is_missed() -> None:
+def test_a_release_whose_copies_were_all_overwritten_is_missed() -> None:
     images, handle = images_from(READ_TRIES)
-    release = Release(Instant(0), Instant(0))
-    assert images.newest(release) is None
-    assert release.missed == 1
-    assert handle.note == "the camera overtook 3 copies of its images"
+    assert images.newest() is None
+    assert images.none_result == StepResult(ran=False, missed=1)
+    assert handle.note == "the camera overwrote 3 images while they were copied"

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.scheduling.tables import line
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock, MonotonicClock, after
 from vision_core.geometry import Bytes
@@ -14,10 +15,10 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Item
 from vision_core.rtdb.store import create_block
+from vision_core.rtdb.task import PERIOD
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
-from vision_core.scheduling.task import PERIOD, Task
+from vision_core.scheduling.releases import IDLE, RAN, Release
 from vision_core.tasks import boundary, colors, exposure, lines
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, LineCheck
 from vision_core.venues.loader import load_settings
@@ -40,7 +41,7 @@ class Watch:
     """One watching task on a database of its own."""
 
     def __init__(self, module: Any, item: Item[Any]) -> None:
-        task = Task("watch", module.__name__, PERIOD, (FRAMES.name,), (item.spec.name,), "watch", period_s=0.1)
+        task = line("watch", PERIOD, (FRAMES.name,), (item.spec.name,), "watch", period_s=0.1)
         specs = (FRAMES, item.spec, records.heartbeat("watch"))
         self._block = create_block(specs)
         self._attachment = Attachment(ChildResources("watch", os.getpid(), 0, self._block, specs, None, {}, {}))
@@ -84,23 +85,23 @@ def watched(request: pytest.FixtureRequest) -> Iterator[tuple[Watch, type[Any]]]
 
 def test_the_newest_image_is_told_of_once(watched: tuple[Watch, type[Any]], image: Bytes) -> None:
     watch, kind = watched
-    assert watch.step(RELEASE) is False  # no image yet
+    assert watch.step(RELEASE) == IDLE  # no image yet
     assert watch.told() is None
     watch.show(np.zeros_like(image))
     grabbed = watch.show(image)
-    assert watch.step(RELEASE) is True
+    assert watch.step(RELEASE) == RAN
     timed = watch.told()
     assert (timed.value.camera, timed.value.frame_number, timed.value.grabbed) == (CAMERA.name, 2, grabbed)
     assert (timed.measured, timed.valid) == (grabbed, True)
     assert isinstance(timed.value.found, kind)
-    assert watch.step(RELEASE) is False  # the same image again
+    assert watch.step(RELEASE) == IDLE  # the same image again
     assert watch.told().sequence == 1
 
 
 def test_an_image_of_long_ago_is_none(watched: tuple[Watch, type[Any]], image: Bytes) -> None:
     watch, _ = watched
     watch.show(image, age_s=5.0)
-    assert watch.step(RELEASE) is False
+    assert watch.step(RELEASE) == IDLE
     assert watch.told() is None
 
 

@@ -17,7 +17,7 @@ from vision_core.rtdb.infos import FrameDone, FrameRequest
 from vision_core.rtdb.store import create_block
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, RAN, Release, StepResult
 from vision_core.settings.schema import Settings
 from vision_core.tasks import capture, source
 from vision_core.tasks.table import record_specs, task_table
@@ -53,12 +53,11 @@ class Stage:
         )
         return start(self.handles[-1])
 
-    def run(self, step: Step) -> Release:
-        """Call a task once."""
-        release = Release(self.clock.now(), self.clock.now())
-        while step(release) is False:
+    def run(self, step: Step) -> StepResult:
+        """Call a task until it has run once."""
+        while not (result := step(Release(self.clock.now(), self.clock.now()))).ran:
             pass
-        return release
+        return result
 
     def close(self) -> None:
         for descriptor in (self.block, *self.events.values()):
@@ -101,12 +100,13 @@ def test_images_come_in_order_on_a_grid(stage: Stage) -> None:
         frames = stage.attachments[-1].store.reader("frames/main")
         levels, instants = [], []
         for _ in range(6):
-            release = stage.run(shoot)
+            result = stage.run(shoot)
             view = frames.view()
             assert view is not None
             levels.append(view.payload[0])
             instants.append(view.measured)
-            assert view.written >= release.due >= view.measured
+            assert result.due is not None
+            assert view.written >= result.due >= view.measured
     finally:
         player.end()
     assert levels == [10, 11, 12, 10, 11, 12]
@@ -124,7 +124,7 @@ def test_a_new_source_does_not_touch_what_is_published(stage: Stage) -> None:
     exposures = stage.attachments[-1].store.reader("frames_done/main")
     before = exposures.sequence
     again = stage.start("source")
-    assert again(Release(stage.clock.now(), stage.clock.now())) is False
+    assert again(Release(stage.clock.now(), stage.clock.now())) == IDLE
     assert exposures.sequence == before
 
 
@@ -149,7 +149,7 @@ def test_an_exposure_of_an_older_order_is_not_published(stage: Stage) -> None:
     shoot = stage.start("capture")  # a successor: its first order has a new number
     store = stage.attachments[-1].store
     records.frames_done("main").writer(store).write(FrameDone(1), stage.clock.now(), stage.clock.now())
-    assert shoot(Release(stage.clock.now(), stage.clock.now())) is False
+    assert shoot(Release(stage.clock.now(), stage.clock.now())) == IDLE
     assert store.reader("frames/main").sequence == 1
 
 
@@ -167,8 +167,8 @@ def test_an_order_that_comes_while_another_is_filled_is_not_lost(stage: Stage) -
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(OrderedKeeper, "wait", grab_and_be_asked)
-        assert step(Release(now, now))
-        assert step(Release(now, now))
+        assert step(Release(now, now)) == RAN
+        assert step(Release(now, now)) == RAN
     filled = records.frames_done("main").reader(store).value(now)
     assert filled.number == 2
 
@@ -179,13 +179,13 @@ def test_switched_off_and_on_capture_begins_with_an_image_of_now(stage: Stage) -
         shoot = stage.start("capture")
         stage.run(shoot)
         time.sleep(0.3)
-        stage.handles[-1].pause()
+        stage.handles[-1].switch()
         before = stage.clock.now()
-        release = stage.run(shoot)
+        result = stage.run(shoot)
         frames = stage.attachments[-1].store.reader("frames/main").view()
         assert frames is not None
         assert frames.measured >= before
-        assert release.missed == 0
+        assert result.missed == 0
     finally:
         player.end()
 

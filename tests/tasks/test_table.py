@@ -77,5 +77,5 @@ def test_a_task_of_ones_own_stands_in_the_table_and_has_a_record(tmp_path: Path)
     settings = load_settings(str(venue))
     check_table(settings, str)
     mine = next(task for task in task_table(settings) if task.name == "mine")
-    assert (mine.trigger, mine.process, mine.priority, mine.period_s) == ("period", "mine", 1, 0.1)
+    assert (mine.trigger, mine.process, mine.times.priority, mine.times.period_s) == ("period", "mine", 1, 0.1)
     assert "lab/mine" in {spec.name for spec in record_specs(settings, task_table(settings), [])}

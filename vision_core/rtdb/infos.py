@@ -1,27 +1,38 @@
-"""What the service tells about itself: the values of its records, frozen and without units of their own."""
+"""The values of the service's records about itself."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from vision_core.clock import Instant
 from vision_core.rtdb.process_state import ProcessState
-from vision_core.settings.schema import Settings
+from vision_core.rtdb.task import Task
+from vision_core.settings.schema import Settings, TaskTimes
 from vision_core.types.objects import Team
 
 
 @dataclass(frozen=True, slots=True)
 class ServiceInfo:
-    """What stays the same while the service runs."""
+    """What does not change while the service runs."""
 
     version: str
     boot: Instant
     http: str
     udp: str
     settings: Settings
+    tasks: tuple[Task, ...]
+    """The task table."""
+
+    def task(self, name: str) -> Task:
+        """A task's line of the table. Raises KeyError for an unknown name."""
+        for task in self.tasks:
+            if task.name == name:
+                return task
+        raise KeyError(name)
 
 
 @dataclass(frozen=True, slots=True)
 class ProcessInfo:
-    """One process of the service, as the supervisor sees it."""
+    """One process of the service."""
 
     name: str
     pid: int | None
@@ -39,13 +50,14 @@ class Processes:
 
 @dataclass(frozen=True, slots=True)
 class SourceInfo:
-    """What a camera is."""
+    """A source of images."""
 
     uri: str
     description: str
     repeats: bool
+    """It may deliver the same picture again and again, as a picture file does."""
     rate_hz: float
-    """That it promises."""
+    """Nominal frame rate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +82,7 @@ class ClientInfo:
 
 @dataclass(frozen=True, slots=True)
 class Serving:
-    """How the clients are served."""
+    """The clients, and how they are served."""
 
     clients: tuple[ClientInfo, ...]
     lag_median_ms: float
@@ -80,24 +92,40 @@ class Serving:
     """Recent requests that were refused, newest last."""
 
 
+class RefusalKind(StrEnum):
+    """What the kernel can refuse a task."""
+
+    PRIORITY = "SCHED_FIFO"
+    MEMORY = "locking memory"
+    CORES = "running on cores"
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """What the kernel refused a process, and why."""
+
+    kind: RefusalKind
+    asked: str
+    """The priority, or the cores; empty for memory."""
+    why: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.asked}".rstrip() + f" is refused: {self.why}"
+
+
 @dataclass(frozen=True, slots=True)
 class TaskInfo:
-    """How a task stands and does; rates, responses and intervals of late."""
+    """The state of a task; its recent rate, responses and intervals."""
 
     pid: int
     process: str
-    enabled: bool
     trigger: str
-    period_ms: float
-    """In effect; 0: with every writing of its trigger."""
-    offset_ms: float
-    priority: int
-    """Asked for; 0: an ordinary process."""
-    budget_ms: float
+    times: TaskTimes
+    """In effect."""
     policy: str
-    """That it has got: "FIFO 45", "nice -10", "ordinary"."""
-    refused: str
-    """Why that is not what was asked for, or its memory is not locked; empty when all is well."""
+    """Of its process: "FIFO 45", "nice -10", "ordinary"."""
+    refusals: tuple[Refusal, ...]
+    """What the kernel refused it."""
     runs: int
     """Since its start."""
     missed: int
@@ -105,7 +133,7 @@ class TaskInfo:
     overruns: int
     """Runs that took longer than the budget, since its start."""
     collections: int
-    """Of garbage, all of them between two runs."""
+    """Garbage collections, all of them between two runs."""
     rate_hz: float
     response_median_ms: float
     """From the release to the result."""
@@ -113,7 +141,7 @@ class TaskInfo:
     interval_mean_ms: float
     """Between the beginnings of two runs: the inter-activation interval of the CAMBADA paper's table 3."""
     interval_sd_ms: float
-    """Its jitter."""
+    """Its standard deviation, the jitter."""
     note: str
     """What a person should know: waiting for frames, opening the camera, ..."""
 
@@ -127,7 +155,7 @@ LAGS = ("server", "network", "client")
 
 @dataclass(frozen=True, slots=True)
 class FrameRequest:
-    """Capture asks for an image: which slot of the ring to fill, and for when."""
+    """A request of the task ``capture`` for an image: which slot of the ring to fill, and for which instant."""
 
     number: int
     slot: int
@@ -136,14 +164,14 @@ class FrameRequest:
 
 @dataclass(frozen=True, slots=True)
 class FrameDone:
-    """An order is filled."""
+    """The image of a request is in its slot."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
 class TaskOverride:
-    """How somebody wants a task to run from now on; what is None stays as the table has it."""
+    """A change of a task's times while the service runs; None leaves a value as the table has it."""
 
     enabled: bool | None = None
     period_ms: float | None = None
@@ -152,14 +180,15 @@ class TaskOverride:
 
 @dataclass(frozen=True, slots=True)
 class ProposedSettings:
-    """What the web side wants changed while the service runs."""
+    """All changes that hold now."""
 
     tasks: dict[str, TaskOverride]
+    """By the task's name."""
 
 
 @dataclass(frozen=True, slots=True)
 class SelfTest:
-    """How well this machine keeps time: wake-ups of a process of its own on a grid of 5 ms, for two seconds."""
+    """How well this machine keeps time: wake-ups of one process on a grid of 5 ms, for two seconds."""
 
     grade: str
     """A: p99 < 0.2 ms, B: < 2 ms, C: worse."""

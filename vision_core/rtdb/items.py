@@ -169,6 +169,11 @@ class ItemWriter(Generic[T]):
         self._encoder = encoder
 
     @property
+    def name(self) -> str:
+        """Name of the record in the database."""
+        return self._slots.spec.name
+
+    @property
     def sequence(self) -> int:
         return self._slots.sequence
 

@@ -7,41 +7,44 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from vision_core.scheduling.task import DRIVER, HIGHEST_PRIORITY, NONE, PERIOD, Task
+from vision_core.rtdb.task import DRIVER, HIGHEST_PRIORITY, NONE, PERIOD, Task
 
 MS_PER_S = 1e3
 MIN_PERIOD_S = 0.001
-ROOM = 0.95
-"""Share of a core that real-time tasks may take together: the kernel stops them at that."""
+MAX_SHARE = 0.95
+"""Share of a core that the kernel gives to real-time tasks together."""
 
 
 @dataclass(frozen=True, slots=True)
 class TableProblem:
-    """What is wrong with one line."""
+    """What is wrong with one line of the table."""
 
     key: str
-    """The setting that is to blame, "tasks.obstacles.period_ms"."""
+    """The setting at fault, "tasks.obstacles.period_ms"."""
     found: str
     accepted: str
 
 
 def problems(tasks: Sequence[Task], given: Sequence[str], camera_rate_hz: float) -> list[TableProblem]:
-    """Everything that is wrong with a table; given: records that are written by nobody on it."""
-    found: list[TableProblem] = []
-    for rule in (_writers(tasks, given), _inputs(tasks, given), _cycles(tasks), _rates(tasks, camera_rate_hz)):
-        found += rule
-    return found
+    """Everything that is wrong with a table. given: records that are written by something that is not on it."""
+    return [
+        *_writers(tasks, given),
+        *_inputs(tasks, given),
+        *_cycles(tasks),
+        *rate_problems(tasks, camera_rate_hz),
+    ]
 
 
 def warnings(tasks: Sequence[Task]) -> list[str]:
-    """What is allowed and worth a thought."""
+    """What is allowed, but probably not intended."""
     found = []
-    periodic = [task for task in tasks if task.trigger == PERIOD and task.enabled]
+    periodic = [task for task in tasks if task.trigger == PERIOD and task.times.enabled]
     for one, other in combinations(periodic, 2):
-        if (one.priority, one.offset_s) == (other.priority, other.offset_s) and one.process != other.process:
+        same_times = (one.times.priority, one.times.offset_ms) == (other.times.priority, other.times.offset_ms)
+        if same_times and one.process != other.process:
             found.append(
-                f"{one.name} and {other.name} have equal priority ({one.priority}) and offset "
-                f"({one.offset_s * MS_PER_S:g} ms): they swap places and give each other jitter"
+                f"{one.name} and {other.name} have equal priority ({one.times.priority}) and offset "
+                f"({one.times.offset_ms:g} ms): they swap places and give each other jitter"
             )
     return found
 
@@ -49,9 +52,9 @@ def warnings(tasks: Sequence[Task]) -> list[str]:
 def load(tasks: Sequence[Task], camera_rate_hz: float) -> float:
     """Cores that the budgets of all real-time tasks fill at their rates."""
     return sum(
-        task.budget_s * task.rate_hz(camera_rate_hz)
+        task.times.budget_s * task.rate_hz(camera_rate_hz)
         for task in tasks
-        if task.enabled and task.priority and task.budget_s
+        if task.times.enabled and task.times.priority and task.times.budget_s
     )
 
 
@@ -72,7 +75,7 @@ def _inputs(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProble
     for task in tasks:
         for record in task.reads:
             if record not in written:
-                yield TableProblem(f"tasks.{task.name}.reads", f"{record}, which nobody writes", known)
+                yield TableProblem(f"tasks.{task.name}.reads", f"{record}, which no task writes", known)
         if task.trigger not in (DRIVER, PERIOD, NONE) and task.trigger not in task.reads:
             yield TableProblem(
                 f"tasks.{task.name}.trigger",
@@ -84,19 +87,20 @@ def _inputs(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProble
 def _cycles(tasks: Sequence[Task]) -> Iterator[TableProblem]:
     by_record = {record: task for task in tasks for record in task.writes}
     for task in tasks:
-        way, at = [task.name], by_record.get(task.trigger)
-        while at is not None and at.name not in way:
-            way.append(at.name)
+        path, at = [task.name], by_record.get(task.trigger)
+        while at is not None and at.name not in path:
+            path.append(at.name)
             at = by_record.get(at.trigger)
         if at is not None and at.name == task.name:
             yield TableProblem(
                 f"tasks.{task.name}.trigger",
-                f"a cycle: {' <- '.join([*way, task.name])}",
-                "a way from a camera or a period",
+                f"a cycle: {' <- '.join([*path, task.name])}",
+                "a chain that begins with a camera or a period",
             )
 
 
-def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[TableProblem]:
+def rate_problems(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[TableProblem]:
+    """Periods, budgets, priorities and processes that cannot be: what a change of times can break."""
     for task in tasks:
         yield from _rate(task, camera_rate_hz)
         if task.trigger in (DRIVER, NONE) and any(other.process == task.process for other in tasks if other != task):
@@ -104,8 +108,8 @@ def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[TableProble
             yield TableProblem(f"tasks.{task.name}.process", found, "a process of its own: it waits for its device")
     shared: dict[str, float] = defaultdict(float)
     for task in tasks:
-        if task.enabled and task.trigger != NONE:
-            shared[task.process] += task.budget_s * task.rate_hz(camera_rate_hz)
+        if task.times.enabled and task.trigger != NONE:
+            shared[task.process] += task.times.budget_s * task.rate_hz(camera_rate_hz)
     for process, share in shared.items():
         if share > 1.0:
             named = next(task.name for task in tasks if task.process == process)
@@ -115,42 +119,42 @@ def _rates(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[TableProble
                 "one core at most",
             )
     cores, needed = len(os.sched_getaffinity(0)), load(tasks, camera_rate_hz)
-    if needed > ROOM * cores:
-        heaviest = max(tasks, key=lambda task: task.budget_s * task.rate_hz(camera_rate_hz) if task.priority else 0.0)
+    if needed > MAX_SHARE * cores:
+        heaviest = max(
+            tasks, key=lambda task: task.times.budget_s * task.rate_hz(camera_rate_hz) if task.times.priority else 0.0
+        )
         yield TableProblem(
             f"tasks.{heaviest.name}.budget_ms",
             f"budgets of real-time tasks that fill {needed:.2f} cores at a camera of {camera_rate_hz:g} Hz",
-            f"{ROOM * cores:.2f} of the {cores} there are: longer periods, smaller budgets, or priority 0",
+            f"{MAX_SHARE * cores:.2f} of the {cores} there are: longer periods, smaller budgets, or priority 0",
         )
 
 
 def _rate(task: Task, camera_rate_hz: float) -> Iterator[TableProblem]:
-    key = f"tasks.{task.name}"
-    period_s, limits = task.period_s, (task.period_s, task.offset_s, task.budget_s)
-    if not all(math.isfinite(value) and value >= 0.0 for value in limits):
+    key, times = f"tasks.{task.name}", task.times
+    if not all(math.isfinite(value) and value >= 0.0 for value in (times.period_ms, times.offset_ms, times.budget_ms)):
         yield TableProblem(f"{key}.period_ms", "a time that is no number or negative", "milliseconds, 0 or more")
         return
-    if task.trigger == PERIOD and not period_s:
+    if task.trigger == PERIOD and not times.period_ms:
         yield TableProblem(f"{key}.period_ms", "0", "a period: nothing else releases it")
         return
-    if task.trigger == NONE and (task.priority or task.cores or period_s):
+    if task.own_loop and (times.priority or times.cores or times.period_ms):
         yield TableProblem(f"{key}.priority", "a priority, a period or cores", "none of them: it has a loop of its own")
         return
-    if 0.0 < period_s < MIN_PERIOD_S:
-        yield TableProblem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}: an impossible rate", "1 ms or more")
+    if 0.0 < times.period_s < MIN_PERIOD_S:
+        yield TableProblem(f"{key}.period_ms", f"{times.period_ms:g}: an impossible rate", "1 ms or more")
         return
-    if task.trigger == DRIVER and period_s:
-        yield TableProblem(f"{key}.period_ms", f"{period_s * MS_PER_S:g}", "0: its driver alone releases it")
-    if period_s and task.offset_s >= period_s:
-        found = f"{task.offset_s * MS_PER_S:g} at a period of {period_s * MS_PER_S:g} ms"
+    if task.trigger == DRIVER and times.period_ms:
+        yield TableProblem(f"{key}.period_ms", f"{times.period_ms:g}", "0: only its driver releases it")
+    if times.period_ms and times.offset_ms >= times.period_ms:
+        found = f"{times.offset_ms:g} at a period of {times.period_ms:g} ms"
         yield TableProblem(f"{key}.offset_ms", found, "less than the period")
     between_s = 1.0 / task.rate_hz(camera_rate_hz)
-    if task.trigger != NONE and task.budget_s > between_s:
-        found = f"{task.budget_s * MS_PER_S:g} for what comes every {between_s * MS_PER_S:g} ms: an impossible rate"
+    if not task.own_loop and times.budget_s > between_s:
+        found = f"{times.budget_ms:g} for what comes every {between_s * MS_PER_S:g} ms: an impossible rate"
         yield TableProblem(f"{key}.budget_ms", found, "at most the time between two releases")
-    if task.budget_s > task.max_run_s:
-        found = f"{task.budget_s * MS_PER_S:g}"
+    if times.budget_s > task.max_run_s:
         limit = f"at most {task.max_run_s * MS_PER_S:g}: a longer run is taken for hung"
-        yield TableProblem(f"{key}.budget_ms", found, limit)
-    if not 0 <= task.priority <= HIGHEST_PRIORITY:
-        yield TableProblem(f"{key}.priority", f"{task.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")
+        yield TableProblem(f"{key}.budget_ms", f"{times.budget_ms:g}", limit)
+    if not 0 <= times.priority <= HIGHEST_PRIORITY:
+        yield TableProblem(f"{key}.priority", f"{times.priority}", f"0 (ordinary) to {HIGHEST_PRIORITY}")

@@ -1,7 +1,7 @@
-"""What a task is given: its line of the table, the records on it, and a way to wait without being taken for dead.
+"""What a task is given: its line of the table, the records on it, and a way to wait that keeps up its heartbeat.
 
 A task is a module with ``start(handle)``: it prepares whatever takes time and returns a ``Step``, which is then called
-at every release. The handle refuses records that the task's line does not name, so the table cannot lie.
+at every release. The handle refuses records that the task's line does not name, so the table is always true.
 """
 
 from collections.abc import Callable
@@ -12,20 +12,20 @@ from vision_core.errors import ServiceError
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.items import Item, ItemReader, ItemWriter
 from vision_core.rtdb.slots import SlotReader, SlotWriter
+from vision_core.rtdb.task import Task
 from vision_core.scheduling.attachment import Attachment
 from vision_core.scheduling.realtime import sleep_until
-from vision_core.scheduling.releases import Release
-from vision_core.scheduling.task import Task
+from vision_core.scheduling.releases import Release, StepResult
 from vision_core.settings.schema import Settings
 
 T = TypeVar("T")
-Step: TypeAlias = Callable[[Release], bool | None]
-"""One run; False: there was nothing to do, and it does not count."""
+Step: TypeAlias = Callable[[Release], StepResult]
+"""One run: RAN, or IDLE when there was nothing to do, or a StepResult with more to report."""
 HEARTBEAT_EVERY_S = 0.1
 
 
 class Handle:
-    """One task's hold on the service."""
+    """One task's access to the service."""
 
     def __init__(self, task: Task, attachment: Attachment, settings: Settings, camera: CameraSetup) -> None:
         self.task = task
@@ -40,12 +40,12 @@ class Handle:
         self.idle_callbacks: list[Callable[[], object]] = []
         self.outputs: dict[str, SlotWriter] = {}
         self.notified: dict[str, int] = {}
-        """How often each output was written when it last released somebody."""
-        self._on_pause: list[Callable[[], object]] = []
+        """Sequence number of each output when it last released other tasks."""
+        self._on_switch: list[Callable[[], object]] = []
 
     @property
     def stopping(self) -> bool:
-        """The supervisor said stop."""
+        """The service stops: the step should return soon."""
         return self.attachment.stopping
 
     def reader(self, item: Item[T]) -> ItemReader[T]:
@@ -57,12 +57,12 @@ class Handle:
         return item.over_writer(self.raw_writer(item.spec.name))
 
     def raw_reader(self, record: str) -> SlotReader:
-        """A record's ring, to read. Raises ServiceError when the task's line does not name it."""
+        """Read the bytes of a record. Raises ServiceError when the task's line does not name it."""
         self._check("reads", record, self.task.reads)
         return self.attachment.store.reader(record)
 
     def raw_writer(self, record: str) -> SlotWriter:
-        """A record's ring, to write. Raises ServiceError when the task's line does not name it."""
+        """Write the bytes of a record. Raises ServiceError when the task's line does not name it."""
         self._check("writes", record, self.task.writes)
         if record not in self.outputs:
             self.outputs[record] = self.attachment.store.writer(record)
@@ -77,7 +77,7 @@ class Handle:
             )
 
     def notify(self, record: str) -> None:
-        """Release those who wait for a record, now; after a run this happens by itself."""
+        """Release the tasks that wait for a record at once; without this they are released after the run."""
         self.notified[record] = self.outputs[record].sequence
         self.attachment.notify(record)
 
@@ -86,29 +86,29 @@ class Handle:
         self.listeners[descriptor] = handler
 
     def every_turn(self, callback: Callable[[], object]) -> None:
-        """Call something after every run and wait, ten times a second at least."""
+        """Call a function after every run and every wait, at least ten times a second."""
         self.idle_callbacks.append(callback)
 
-    def when_switched(self, forget: Callable[[], object]) -> None:
-        """Call something when the task is switched off or on: what it had begun is of long ago then."""
-        self._on_pause.append(forget)
+    def when_switched(self, callback: Callable[[], object]) -> None:
+        """Call a function when the task is switched off or on, to drop work that would be out of date."""
+        self._on_switch.append(callback)
 
-    def pause(self) -> None:
-        """The task is switched off or on."""
-        for forget in self._on_pause:
-            forget()
+    def switch(self) -> None:
+        """Call the functions of ``when_switched``."""
+        for callback in self._on_switch:
+            callback()
 
     def sleep(self, duration_s: float) -> None:
-        """Sleep [s] without being taken for dead; shorter when the service stops."""
+        """Sleep [s] and keep up the heartbeat; returns early when the service stops."""
         end = after(self.clock.now(), duration_s)
         while (now := self.clock.now()) < end and not self.stopping:
             sleep_until(min(end, after(now, HEARTBEAT_EVERY_S)))
             self.attachment.heartbeat(self.clock.now())
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait for what releases this process, without being taken for dead; False after the timeout [s].
+        """Wait for a release of this process and keep up the heartbeat; False after the timeout [s].
 
-        Who is released by the clock alone sleeps.
+        A process that only the clock releases sleeps.
         """
         if self.attachment.resources.wake is None:
             self.sleep(timeout_s)

@@ -1,4 +1,4 @@
-"""How a task does: every run is measured, and told twice a second."""
+"""The metrics of a task: every run is measured, and the figures are written twice a second."""
 
 import math
 import os
@@ -6,10 +6,10 @@ from collections import deque
 
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import TIMINGS, TaskInfo
+from vision_core.rtdb.infos import TIMINGS, Refusal, TaskInfo
 from vision_core.rtdb.store import Store
-from vision_core.scheduling.releases import Release
-from vision_core.scheduling.task import Task
+from vision_core.rtdb.task import Task
+from vision_core.scheduling.releases import Release, StepResult
 from vision_core.timing.histogram import Histograms
 from vision_core.timing.running_rate import RunningRate
 
@@ -35,55 +35,52 @@ class TaskMetrics:
         self.collections = 0
         self.note = ""
 
-    def ran(self, release: Release, done: Instant) -> None:
-        """A run, from its release to its result."""
+    def count_run(self, release: Release, result: StepResult, done: Instant) -> None:
+        """Count a run, from its release to its result."""
+        due = release.due if result.due is None else result.due
+        began = release.began if result.began is None else result.began
         self._runs += 1
-        self._missed += release.missed
-        execution, response = done - release.began, done - release.due
-        self._overruns += bool(self._task.budget_s) and execution > self._task.budget_s * NS_PER_S
+        execution, response, budget_s = done - began, done - due, self._task.times.budget_s
+        self._overruns += bool(budget_s) and execution > budget_s * NS_PER_S
         self._responses_ns.append(response)
         add = self._histograms.add
-        add("lateness", release.began - release.due)
+        add("lateness", began - due)
         add("execution", execution)
         add("response", response)
         if self._last_began is not None:
-            add("interval", release.began - self._last_began)
-            self._intervals_ns.append(release.began - self._last_began)
-        self._last_began = release.began
+            add("interval", began - self._last_began)
+            self._intervals_ns.append(began - self._last_began)
+        self._last_began = began
 
-    def missed(self, releases: int) -> None:
-        """Releases passed before a run that had nothing to do."""
+    def count_missed(self, releases: int) -> None:
+        """Count releases that passed without a run."""
         self._missed += releases
 
     def pause(self) -> None:
-        """The task was switched off: the time until its next run is no interval."""
+        """Note that the task was switched off: the time until its next run is no interval."""
         self._last_began = None
         self._rate.forget()
 
     def hurry(self) -> None:
-        """The next chance to publish is to be taken."""
+        """Publish at the next call of ``publish_if_due``, however short the time since the last one."""
         self._hurried = True
 
-    def publish_if_due(self, now: Instant, task: Task, standing: str, refused: str) -> None:
-        """Write the records when half a second has passed. task: as it is in effect now."""
+    def publish_if_due(self, now: Instant, task: Task, policy: str, refusals: tuple[Refusal, ...]) -> None:
+        """Write the records every half second. task: as it runs now."""
         if self._hurried or now - self._published >= PUBLISH_EVERY_NS:
-            self.publish(now, task, standing, refused)
+            self.publish(now, task, policy, refusals)
 
-    def publish(self, now: Instant, task: Task, standing: str, refused: str) -> None:
-        """Write the records and begin the next stretch."""
+    def publish(self, now: Instant, task: Task, policy: str, refusals: tuple[Refusal, ...]) -> None:
+        """Write the records; the next ones have the responses from now on."""
         self._task = task
         responses = sorted(self._responses_ns)
         info = TaskInfo(
             pid=os.getpid(),
             process=self._process,
-            enabled=task.enabled,
             trigger=task.trigger,
-            period_ms=task.period_s * 1e3,
-            offset_ms=task.offset_s * 1e3,
-            priority=task.priority,
-            budget_ms=task.budget_s * 1e3,
-            policy=standing,
-            refused=refused,
+            times=task.times,
+            policy=policy,
+            refusals=refusals,
             runs=self._runs,
             missed=self._missed,
             overruns=self._overruns,

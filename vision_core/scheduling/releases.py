@@ -1,4 +1,4 @@
-"""When a task is due: by a record, on a grid in time, or by itself. No clock of its own, no waiting."""
+"""When a task is due: by a record, or on a grid in time; and what it reports about a run. No clock, no waiting."""
 
 from dataclasses import dataclass
 
@@ -6,21 +6,39 @@ from vision_core.clock import NS_PER_S, Instant
 from vision_core.rtdb.slots import SlotReader
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Release:
-    """One call of a task. A task that knows better when it was due, or what it left out, may say so in it."""
+    """One call of a task."""
 
     due: Instant
-    """When it should have begun: the grid's instant, or when the record was written."""
+    """When the run should have begun: the grid's instant, or when the record was written."""
     began: Instant
     missed: int = 0
     """Releases that passed before this one without a run."""
     sequence: int = 0
-    """Of the writing that releases it; 0 on a grid in time."""
+    """Sequence number of the record that releases it; 0 on a grid in time."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepResult:
+    """What a task reports about one call."""
+
+    ran: bool = True
+    """False: there was nothing to do, and the call counts as no run."""
+    missed: int = 0
+    """Further releases that passed without a run, beside those of the release."""
+    due: Instant | None = None
+    """When the run should have begun, if the task knows better than its release; None: as released."""
+    began: Instant | None = None
+    """When it began, if the task first waited for something; None: as released."""
+
+
+RAN = StepResult()
+IDLE = StepResult(ran=False)
 
 
 class Grid:
-    """Instants origin + k * period. One that has passed by a whole period is over, and is counted."""
+    """Instants origin + k * period, k = 0, 1, 2, ... An instant that is a whole period old is skipped and counted."""
 
     def __init__(self, origin: Instant, period_s: float) -> None:
         self.origin = origin
@@ -28,7 +46,7 @@ class Grid:
         self._number: int | None = None
 
     def due(self, now: Instant) -> Instant:
-        """The next instant that was not taken: in the future, or at most a period ago."""
+        """The next instant that was not taken: it lies ahead, or at most one period back."""
         newest = (now - self.origin) // self.period_ns
         if self._number is None:
             self._number = max(newest, -1)  # the first one lies ahead
@@ -46,14 +64,14 @@ class Grid:
         return Release(due, now, missed)
 
     def forget(self) -> None:
-        """What passes from now on until the next look was not missed: the task was switched off."""
+        """Start anew: instants until the next call of ``take`` are not missed, since the task is switched off."""
         self._number = None
 
 
 class Trigger:
-    """A record's writings; with a period, only the first one in each stretch of the grid.
+    """Releases by the writing of a record; with a period, only the first writing in each period of the grid.
 
-    To who begins, the newest writing is news, however old: an order that nobody has filled still waits.
+    The newest writing from before the start releases the task as well: it may be a request that still waits.
     """
 
     def __init__(self, record: SlotReader, origin: Instant, period_s: float) -> None:
@@ -75,7 +93,7 @@ class Trigger:
         return Release(max(view.written, at.due), now, min(passed, at.missed), view.sequence)
 
     def forget(self) -> None:
-        """What was written up to now was not missed, the newest is news: the task was switched off or on."""
+        """Start anew with the newest writing; older ones are not missed, since the task was switched off."""
         self._seen = max(self._record.sequence - 1, 0)
         if self._grid is not None:
             self._grid.forget()

@@ -2,8 +2,8 @@
 
     python -m vision_core.scheduling.selftest        prints the result as JSON
 
-A class says it in a letter: A, p99 of the lateness under 0.2 ms: every camera can be served; B, under 2 ms: fine at
-30 frames a second; C: worse, frames will be late when the machine has other work.
+The result is a class. A: p99 of the lateness is under 0.2 ms, any camera can be served. B: under 2 ms, enough for 30
+frames a second. C: worse, frames will be late when the machine has other work.
 """
 
 import json
@@ -20,34 +20,35 @@ from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_g
 DURATION_S = 2.0
 PERIOD_NS = NS_PER_S // 200
 PRIORITY = 50
-"""As capture's."""
+"""The same as of the task ``capture``."""
 GRADES = (("A", 200e3), ("B", 2e6))
-"""Class, and the p99 that it must stay under [ns]."""
+"""Class, and the limit of its p99 [ns]."""
 NS_PER_US = 1e3
-WARM = 10
+WARM_UP = 10
+"""Wake-ups at the beginning that are not counted."""
 
 
 def measure(duration_s: float = DURATION_S) -> SelfTest:
-    """Sleep and wake for a duration [s] in this process, which has real-time priority afterwards, if it may."""
+    """Sleep and wake for a duration [s] in this process, which then has real-time priority, if granted."""
     freeze_garbage()
     exact_timers()
-    memory, standing = lock_memory(), ask_priority(PRIORITY)
+    memory, granted = lock_memory(), ask_priority(PRIORITY)
     wakeups = max(round(duration_s * NS_PER_S / PERIOD_NS), 1)
-    late = [0] * (WARM + wakeups)
+    late = [0] * (WARM_UP + wakeups)
     due = time.monotonic_ns()
     for index in range(len(late)):
         due += PERIOD_NS
         sleep_until(Instant(due))
         late[index] = time.monotonic_ns() - due
-        due += max(late[index], 0) // PERIOD_NS * PERIOD_NS  # what was slept through is over
-    counted = sorted(late[WARM:])
+        due += max(late[index], 0) // PERIOD_NS * PERIOD_NS  # periods that passed meanwhile are skipped
+    counted = sorted(late[WARM_UP:])
     p99 = counted[min(int(0.99 * len(counted)), len(counted) - 1)]
     return SelfTest(
         grade=next((grade for grade, limit in GRADES if p99 < limit), "C"),
-        policy=standing.policy,
-        refused=standing.refused,
-        memory_locked=memory.locked,
-        memory_refused=memory.refused,
+        policy=granted.policy,
+        refused=str(granted.refusal or ""),
+        memory_locked=memory is None,
+        memory_refused=str(memory or ""),
         wakeups=wakeups,
         lateness_median_us=counted[len(counted) // 2] / NS_PER_US,
         lateness_p99_us=p99 / NS_PER_US,
@@ -61,7 +62,7 @@ def in_words(result: SelfTest) -> str:
     policy = result.policy + (f" ({result.refused})" if result.refused else "")
     return (
         f"this machine keeps time in class {result.grade}: wake-ups are late by {result.lateness_median_us:.0f} us "
-        f"(median), {result.lateness_p99_us:.0f} us (p99), {result.lateness_max_us:.0f} us (most); {policy}; {memory}"
+        f"(median), {result.lateness_p99_us:.0f} us (p99), {result.lateness_max_us:.0f} us (max); {policy}; {memory}"
     )
 
 

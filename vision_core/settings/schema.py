@@ -13,6 +13,7 @@ class Record(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Base of all settings."""
 
 
+S_PER_MS = 1e-3
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 Positive = Annotated[float, Meta(gt=0.0, le=1e6)]
 NotNegative = Annotated[float, Meta(ge=0.0, le=1e6)]
@@ -300,20 +301,45 @@ class MatchSettings(Record, frozen=True):
     ]
 
 
-class TaskSettings(Record, frozen=True):
-    """One line of the task table: when a task runs. With a module it is a task of your own."""
+class TaskTimes(Record, frozen=True):
+    """When a task runs, and with which priority."""
 
     priority: Annotated[int, Meta(ge=0, le=90, description="SCHED_FIFO 1..90; 0: an ordinary process")]
     period_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="0: with every writing of its trigger")]
     budget_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="a longer run is an overrun; 0: none is counted")]
     offset_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="of the period's grid")] = 0.0
     enabled: bool = True
-    process: Annotated[str, Meta(description="tasks that name the same one share it; empty: its own")] = ""
     cores: Annotated[tuple[Annotated[int, Meta(ge=0, le=1023)], ...], Meta(description="empty: any")] = ()
+
+    @property
+    def period_s(self) -> float:
+        """Of a periodic task; of a task that a record releases, the least time between two runs. 0: every release."""
+        return self.period_ms * S_PER_MS
+
+    @property
+    def offset_s(self) -> float:
+        """Of the period's grid, from the start of the service."""
+        return self.offset_ms * S_PER_MS
+
+    @property
+    def budget_s(self) -> float:
+        """A run that takes longer is an overrun; 0: none is counted."""
+        return self.budget_ms * S_PER_MS
+
+
+class TaskSettings(TaskTimes, frozen=True):
+    """One line of ``[tasks]``: a task's times. With a module it is a task of the user's own."""
+
+    process: Annotated[str, Meta(description="tasks that name the same one share it; empty: its own")] = ""
     module: Annotated[str, Meta(description="of a task of your own: has start(handle)")] = ""
     trigger: Annotated[str, Meta(description="of a task of your own: period, or a record that it reads")] = "period"
     reads: tuple[str, ...] = ()
     writes: tuple[str, ...] = ()
+
+    @property
+    def times(self) -> TaskTimes:
+        """The times alone, as ``Task`` and ``TaskInfo`` have them."""
+        return TaskTimes(**{name: getattr(self, name) for name in TaskTimes.__struct_fields__})
 
 
 class Settings(Record, frozen=True):

@@ -5,7 +5,7 @@ from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import RAN, Release, StepResult
 from vision_core.types.objects import Diagnosis
 
 
@@ -15,15 +15,15 @@ def start(handle: Handle) -> Step:
     perception = Perception(handle.settings, handle.camera)
     perception.warm_up()
     images = Images(handle)
-    diagnosis = handle.writer(records.diagnosis(camera))
+    writer = handle.writer(records.diagnosis(camera))
 
-    def step(release: Release) -> bool:
-        image = images.newest(release)
+    def step(_release: Release) -> StepResult:
+        image = images.newest()
         if image is None:
-            return False
+            return images.none_result
         seen = perception.perceive(image, handle.clock).record()
-        told = Diagnosis(camera, image.number, image.grabbed, reasons_of(perception, seen))
-        diagnosis.write(told, image.grabbed, handle.clock.now())
-        return True
+        diagnosis = Diagnosis(camera, image.number, image.grabbed, reasons_of(perception, seen))
+        writer.write(diagnosis, image.grabbed, handle.clock.now())
+        return RAN
 
     return step

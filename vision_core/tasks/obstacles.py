@@ -5,7 +5,7 @@ from vision_core.objects.obstacles import ObstacleFinder
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, RAN, Release, StepResult
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Obstacles
 
@@ -30,14 +30,16 @@ def start(handle: Handle) -> Step:
     sightings = handle.reader(records.sightings(camera))
     obstacles = handle.writer(records.obstacles(camera))
 
-    def step(release: Release) -> bool:
+    def step(_release: Release) -> StepResult:
         now = handle.clock.now()
         seen = sightings.read(now)
-        image = images.newest(release)
-        if image is None or seen is None or not seen.valid:  # who does not know the robots takes them for obstacles
-            return False
+        image = images.newest()
+        if image is None:
+            return images.none_result
+        if seen is None or not seen.valid:  # without known robots, each robot would be taken for an obstacle
+            return IDLE
         things = finder.find(image.pixels, seen.value.robots, seen.value.balls)
         obstacles.write(Obstacles(camera, image.number, image.grabbed, things), image.grabbed, handle.clock.now())
-        return True
+        return RAN
 
     return step

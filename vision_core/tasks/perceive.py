@@ -1,8 +1,8 @@
 """Task: images -> sightings. Released by every new frame; always takes the newest.
 
-It reads the image where it lies and asks afterwards whether it still lay there: a few rows and windows of it are all
-that it needs, and a copy of the whole would cost as much as perceiving it (docs/decisions/0006). What it saw in an
-image that was overwritten meanwhile is thrown away and counted.
+It reads the image in the ring, without a copy, and checks afterwards that the camera has not overwritten it: perception
+reads only a few rows and windows, and a copy of the whole image would cost as much (docs/decisions/0006). The result of
+an image that was overwritten is thrown away and counted as missed.
 """
 
 import numpy as np
@@ -12,41 +12,39 @@ from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.rtdb.slots import SlotView
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, Release, StepResult
 from vision_core.types.image import ImageFrame
 
 
 def start(handle: Handle) -> Step:
-    """Compile the colors, load the kernels."""
+    """Compile the color table and load the kernels."""
     camera = handle.camera
     perception = Perception(handle.settings, camera)
     perception.warm_up()
     frames = handle.raw_reader(f"frames/{camera.name}")
-    sightings = handle.raw_writer(records.sightings(camera.name).spec.name)
-
+    sightings = handle.raw_writer(records.sightings(camera.name).name)
     perceived = frames.sequence
 
-    def step(release: Release) -> bool:
+    def step(release: Release) -> StepResult:
         nonlocal perceived
         view = frames.view()
         if view is None or view.sequence == perceived:
-            return False
+            return IDLE
         perceived = view.sequence
-        release.missed += view.sequence - release.sequence  # newer ones have come since the release
+        newer = view.sequence - release.sequence  # images that came between the release and this call
         seen = perception.perceive(_image_from(view, camera), handle.clock)
-        if not frames.is_unchanged(view):  # the ring went round while we looked: what we saw is a mixture
-            handle.note = "the camera overtook the last look: it was thrown away"
-            release.missed += 1
-            return True
+        if not frames.is_unchanged(view):  # the ring went round meanwhile: the result mixes two images
+            handle.note = "the camera overwrote the last image while it was perceived: the result was thrown away"
+            return StepResult(missed=newer + 1)
         handle.note = ""
         sightings.write(seen.bytes, view.measured, handle.clock.now())
-        return True
+        return StepResult(missed=newer)
 
     return step
 
 
 def _image_from(view: SlotView, camera: CameraSetup) -> ImageFrame:
-    """The frame in place, read-only: nothing is copied."""
+    """The image in the ring, read-only and not copied."""
     pixels = np.frombuffer(view.payload.toreadonly(), dtype=np.uint8)
     shaped = pixels.reshape(camera.shape)
     return ImageFrame(camera.name, view.sequence, view.measured, shaped)

@@ -19,7 +19,7 @@ from vision_core.protocol.session import Event, Refused, Rules, Sessions
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LAGS, ClientInfo, Serving
 from vision_core.scheduling.handle import Handle, Step
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, Release, StepResult
 from vision_core.settings.schema import Settings
 from vision_core.timing.histogram import Histograms
 from vision_core.timing.running_rate import RunningRate
@@ -82,15 +82,15 @@ class Server:
         """Take what clients said."""
         self._note(self._udp.handle_readable())
 
-    def serve_newest(self, release: Release) -> bool:
+    def serve_newest(self, release: Release) -> StepResult:
         """Send the newest frame's views, then write down what was sent."""
         seen = self._sightings.read(self._clock.now())
         if seen is None or seen.sequence == self._newest:
-            return False
+            return IDLE
         self._newest = seen.sequence
-        release.missed += seen.sequence - release.sequence  # newer ones have come since the release
-        if not seen.valid:  # a source that stood still delivers: nobody is told of a field of long ago
-            return False
+        missed = seen.sequence - release.sequence  # sightings that came between the release and this call
+        if not seen.valid:  # a source that stood still delivers again: these sightings are too old to be served
+            return StepResult(ran=False, missed=missed)
         self._seen.load(seen.value)
         served = self._serve(seen.measured)
         if served.last is not None:
@@ -98,7 +98,7 @@ class Server:
             self._lags.add("server", served.last - seen.measured)
         self._note(served.events)
         self._keep_sessions()
-        return True
+        return StepResult(missed=missed)
 
     def _serve(self, at: Instant) -> Served:
         """Track, observe, encode and send; then let others read what was sent."""

@@ -8,10 +8,12 @@
 What a task is stands here: what releases it, what it reads, what it writes. When it runs stands in the settings
 (``[tasks]`` of config/default.toml): priority, period, offset, budget, process. A venue may add tasks of its own there.
 One writer per record, no cycle, rates that add up: ``check_table`` proves it before the service starts, ``pslv tasks
---check`` and a test do too; the supervisor starts what stands here, and a task gets at no other records.
+--check`` and a test do too. The supervisor starts exactly these tasks, and a task can access no other records than its
+line names. Whatever else the service has to know about a task is a fact of its line (``rtdb.task.Task``).
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 from vision_core.capture.source import is_device
 from vision_core.errors import SettingsError
@@ -19,144 +21,140 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.catalog import catalog
 from vision_core.rtdb.layout import RecordSpec
+from vision_core.rtdb.task import DRIVER, NONE, PERIOD, Task
 from vision_core.scheduling.checks import TableProblem, problems
-from vision_core.scheduling.task import DRIVER, NONE, Task
 from vision_core.settings.schema import Settings, TaskSettings
 
 GIVEN = ("service", "processes", "selftest")
-"""Records that no task writes: the supervisor does, and what runs once at the start."""
+"""Records that no task writes, but the supervisor or a process that runs once."""
 COMPILER = "compile"
+"""Process that compiles the kernels once, before the tasks start."""
 SOURCE = "source"
-"""Task that plays the camera, when there is none."""
+"""Task that plays the camera when the source is no device."""
 MAX_OWN = 65536
-"""Record of a task of one's own [bytes]."""
-PERIODS_VALID = 3.0
+"""Size of a record of the user's own [bytes]."""
+VALID_PERIODS = 3.0
 MAX_VALID_HZ = 12.0
-"""A record of a faster task of one's own is valid for as long as one of this rate: a quarter of a second."""
-S_PER_MS = 1e-3
+"""A record of a user's own is valid for VALID_PERIODS of its task, at this rate at most: a quarter of a second."""
+ALWAYS_READ = ("service", "proposed_settings")
+"""Records that every task may read."""
 
 
 def task_table(settings: Settings) -> tuple[Task, ...]:
-    """Every task of a service with one camera, as the settings time it."""
-    own = [_own(name, times) for name, times in settings.tasks.items() if times.module]
-    return (*_page(settings), *own)
+    """Every task of a service with one camera, with the times of the settings."""
+    own = [_own(name, line) for name, line in settings.tasks.items() if line.module]
+    return (*_built_in(settings), *own)
 
 
-def _page(settings: Settings) -> Iterator[Task]:
+def _built_in(settings: Settings) -> Iterator[Task]:
     camera = CameraSetup.from_settings(settings).name
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
     requests, done, obstacles = f"frame_requests/{camera}", f"frames_done/{camera}", f"obstacles/{camera}"
-    watched = [f"{name}/{camera}" for name in ("boundary", "lines", "exposure", "colors")]
     diagnosis = f"diagnosis/{camera}"
 
-    def line(
-        name: str,
-        trigger: str,
-        reads: Sequence[str],
-        writes: Sequence[str],
-        module: str = "",
-        sockets: Sequence[str] = (),
-    ) -> Task:
-        always = ("service", "proposed_settings")
-        return _timed(
-            Task(
-                name=name,
-                module=module or f"vision_core.tasks.{name}",
-                trigger=trigger,
-                reads=(*always, *reads),
-                writes=tuple(writes),
-                process=name,
-                sockets=tuple(sockets),
-                needs_kernels=name != "web",
-            ),
-            settings.tasks[name],
+    def line(name: str, trigger: str, reads: Sequence[str], writes: Sequence[str], **facts: Any) -> Task:
+        """One line; facts: further fields of ``Task``."""
+        declared = settings.tasks[name]
+        return Task(
+            name=name,
+            module="" if trigger == NONE else f"{__package__}.{name}",
+            trigger=trigger,
+            reads=(*ALWAYS_READ, *reads),
+            writes=tuple(writes),
+            process=declared.process or name,
+            times=declared.times,
+            **facts,
         )
 
+    def watcher(name: str, purpose: str) -> Task:
+        """A task that looks at the newest image of the camera now and then; its record has its name."""
+        return line(name, PERIOD, [frames], [f"{name}/{camera}"], purpose=purpose)
+
+    reader: dict[str, Any] = {"on_frame_path": True, "purpose": "reads the camera", "period_owner": "the camera"}
     if is_device(settings):
-        yield line("capture", DRIVER, [], [frames, source])
-    else:  # images of a file or a simulation are made without real time, in the slots that capture names
-        yield line("capture", DRIVER, [done, source], [frames, requests])
-        yield line(SOURCE, requests, [requests, done, frames], [done, source])
-    yield line("perceive", frames, [frames], [sightings])
+        yield line("capture", DRIVER, [], [frames, source], **reader)
+    else:
+        yield line("capture", DRIVER, [done, source], [frames, requests], **reader)
+        yield line(
+            SOURCE,
+            requests,
+            [requests, done, frames],
+            [done, source],
+            on_frame_path=True,
+            purpose="plays the camera",
+            period_owner="the task capture",
+        )
+    yield line("perceive", frames, [frames], [sightings], on_frame_path=True, purpose="finds robots and ball")
     yield line(
         "serve",
         sightings,
         [sightings, obstacles, "sessions"],
         ["world", "views", "serving", "sessions", "lags"],
-        sockets=["main", "session"],
+        sockets=("main", "session"),
+        on_frame_path=True,
+        purpose="sends every robot its view",
     )
-    yield line("obstacles", frames, [frames, sightings], [obstacles])
-    for record in watched:
-        yield line(record.partition("/")[0], "period", [frames], [record])
-    yield line("diagnose", frames, [frames], [diagnosis])
-    seen = [frames, source, sightings, obstacles, *watched, diagnosis]
-    told = ["processes", "selftest", "world", "views", "serving", "lags"]
-    yield line("web", NONE, [*told, *seen], ["proposed_settings"], module="app.web.process", sockets=["http"])
+    yield line("obstacles", frames, [frames, sightings], [obstacles], purpose="finds obstacles")
+    watchers = (
+        watcher("boundary", "finds where the field ends"),
+        watcher("lines", "checks that the camera was not moved"),
+        watcher("exposure", "checks the brightness"),
+        watcher("colors", "checks the light"),
+    )
+    yield from watchers
+    yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
+    watched = [record for task in watchers for record in task.writes]
+    shown = [frames, source, sightings, obstacles, *watched, diagnosis]
+    shown += ["processes", "selftest", "world", "views", "serving", "lags"]
+    yield line(
+        "web", NONE, shown, ["proposed_settings"], sockets=("http",), needs_kernels=False, purpose="shows this page"
+    )
 
 
-def _timed(task: Task, times: TaskSettings) -> Task:
+def _own(name: str, line: TaskSettings) -> Task:
+    """A task of the user's own."""
     return Task(
-        name=task.name,
-        module=task.module,
-        trigger=task.trigger,
-        reads=task.reads,
-        writes=task.writes,
-        process=times.process or task.name,
-        priority=times.priority,
-        period_s=times.period_ms * S_PER_MS,
-        offset_s=times.offset_ms * S_PER_MS,
-        budget_s=times.budget_ms * S_PER_MS,
-        enabled=times.enabled,
-        cores=times.cores,
-        sockets=task.sockets,
-        needs_kernels=task.needs_kernels,
-    )
-
-
-def _own(name: str, times: TaskSettings) -> Task:
-    return _timed(
-        Task(
-            name,
-            times.module,
-            times.trigger,
-            ("service", "proposed_settings", *times.reads),
-            times.writes,
-            process=name,
-        ),
-        times,
+        name=name,
+        module=line.module,
+        trigger=line.trigger,
+        reads=(*ALWAYS_READ, *line.reads),
+        writes=line.writes,
+        process=line.process or name,
+        times=line.times,
     )
 
 
 def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
-    """Raise SettingsError for the first thing that is wrong; place_of names file and line of a setting."""
+    """Raise SettingsError for the first error in the table; place_of: names the file and line of a setting."""
     tasks = task_table(settings)
     names = {task.name for task in tasks} | {SOURCE}
     unknown = (name for name in settings.tasks if name not in names)
     accepted = f"{', '.join(sorted(names))}, or with a module a task of your own"
-    strangers = [TableProblem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
-    told = [f"{kind}/{task.name}" for task in tasks for kind in ("task", "timing")]
-    beats = [f"heartbeat/{process}" for process in (COMPILER, *{task.process for task in tasks})]
-    found = problems(tasks, (*GIVEN, *told, *beats), CameraSetup.from_settings(settings).rate_hz)
-    for problem in (*strangers, *_misplaced(settings), *found):
+    unknown_tasks = [TableProblem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
+    own_records = [f"{kind}/{task.name}" for task in tasks for kind in ("task", "timing")]
+    heartbeats = [f"heartbeat/{process}" for process in (COMPILER, *{task.process for task in tasks})]
+    found = problems(tasks, (*GIVEN, *own_records, *heartbeats), CameraSetup.from_settings(settings).rate_hz)
+    for problem in (*unknown_tasks, *_misplaced(settings), *found):
         where = f"{place_of(problem.key)}: {problem.key}"
         raise SettingsError(where, found=problem.found, accepted=problem.accepted)
 
 
 def _misplaced(settings: Settings) -> Iterator[TableProblem]:
-    """What a line may not say: of a task that has its place on this page, or of one that has none."""
-    ours = {task.name for task in _page(settings)} | {SOURCE}
-    for name, times in settings.tasks.items():
-        if name in ours and (times.module or times.reads or times.writes or times.trigger != "period"):
+    """Settings that a line may not have: of a built-in task, or of a task whose name is taken."""
+    built_in = {task.name: task for task in _built_in(settings)}
+    for name, line in settings.tasks.items():
+        is_built_in = name in built_in or name == SOURCE
+        if is_built_in and (line.module or line.reads or line.writes or line.trigger != PERIOD):
             said = "module, trigger, reads or writes"
             yield TableProblem(f"tasks.{name}", said, "its times only: vision_core/tasks/table.py says the rest")
-        if name == "web" and times.process not in ("", name):
-            yield TableProblem("tasks.web.process", times.process, "a process of its own: it has a loop of its own")
-        if COMPILER in (name, times.process):
+        if name in built_in and built_in[name].own_loop and line.process not in ("", name):
+            yield TableProblem(f"tasks.{name}.process", line.process, "a process of its own: it has a loop of its own")
+        if COMPILER in (name, line.process):
             yield TableProblem(f"tasks.{name}", COMPILER, "another name: this one has a process of its own")
 
 
 def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[str]) -> tuple[RecordSpec, ...]:
-    """Every record of the service; processes: everything that must say that it lives."""
+    """Every record of the service. processes: names of all that write a heartbeat."""
     camera = CameraSetup.from_settings(settings)
     declared = [
         records.SERVICE.spec,
@@ -169,11 +167,11 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
         *(records.timing(task.name) for task in tasks),
         *(records.heartbeat(process) for process in processes),
     ]
-    there = {spec.name for spec in declared}
+    names = {spec.name for spec in declared}
     own = [
-        RecordSpec(record, MAX_OWN, PERIODS_VALID / min(task.rate_hz(camera.rate_hz), MAX_VALID_HZ))
+        RecordSpec(record, MAX_OWN, VALID_PERIODS / min(task.rate_hz(camera.rate_hz), MAX_VALID_HZ))
         for task in tasks
         for record in task.writes
-        if record not in there
+        if record not in names
     ]
     return (*declared, *own)

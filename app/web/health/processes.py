@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
-from app.web.health.readiness import COMPILER, NEEDED, needed_processes, process_of, process_state
+from app.web.health.readiness import COMPILER, needed_processes, process_of, process_state
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.process_state import ProcessState
@@ -27,7 +27,8 @@ def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
             key = f"process {process.name} {'crashing' if hold_s else 'disabled'}"
             yield Degradation(key, text, f"{process_state(process)}{without}", hold_s)
     for name, timed in snapshot.tasks.items():
-        if name not in NEEDED and not timed.value.enabled and snapshot.service.settings.tasks[name].enabled:
+        task = snapshot.task(name)
+        if not task.on_frame_path and not timed.value.times.enabled and task.times.enabled:
             yield Degradation(f"task {name} off", f"task {name} is switched off")
 
 

@@ -10,8 +10,6 @@ from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.process_state import ProcessState
 
 COMPILER = "compile"
-NEEDED = ("source", "capture", "perceive", "serve")
-"""Tasks without which no robot is served."""
 MIN_PATIENCE_S = 0.25
 PATIENCE_PERIODS = 3.0
 """An image is old when this many have failed to come, and never before MIN_PATIENCE_S."""
@@ -55,14 +53,12 @@ def is_starting(snapshot: ServiceSnapshot) -> bool:
 
 def needed_processes(snapshot: ServiceSnapshot) -> set[str]:
     """The processes that run the needed tasks."""
-    return {process_of(task, snapshot) for task in NEEDED}
+    return {task.process for task in snapshot.service.tasks if task.on_frame_path}
 
 
 def process_of(task: str, snapshot: ServiceSnapshot) -> str:
     """The process that runs a task."""
-    if task in snapshot.tasks:
-        return snapshot.tasks[task].value.process
-    return snapshot.service.settings.tasks[task].process or task
+    return snapshot.task(task).process
 
 
 def process_state(process: ProcessInfo) -> str:
@@ -72,7 +68,8 @@ def process_state(process: ProcessInfo) -> str:
 
 
 def _switched_off(snapshot: ServiceSnapshot) -> tuple[str, ...]:
-    off = (task for task in NEEDED if task in snapshot.tasks and not snapshot.tasks[task].value.enabled)
+    needed = [task.name for task in snapshot.service.tasks if task.on_frame_path]
+    off = (name for name in needed if name in snapshot.tasks and not snapshot.tasks[name].value.times.enabled)
     return tuple(f"task {task} is switched off" for task in off)
 
 

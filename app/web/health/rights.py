@@ -1,15 +1,12 @@
 """Degradation by rights that the operating system refuses, and by a machine that wakes processes late."""
 
-import re
 from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
 from vision_core.rtdb import records
+from vision_core.rtdb.infos import Refusal, RefusalKind
 
-REASONS = re.compile(r"; (?=[^;]*\brefused\b)")
-"""Between two refusals in one sentence of a task."""
-PRIORITY = re.compile(r"SCHED_FIFO (\d+)")
 US_PER_MS = 1e3
 GRADES = {"B": "only fairly", "C": "badly"}
 """How well a machine keeps time that is not of class A."""
@@ -29,14 +26,12 @@ def right_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
 
 
 def _refusals(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
-    tasks: dict[str, list[str]] = {}
-    priorities: dict[str, list[str]] = {}
+    same: dict[tuple[RefusalKind, str], list[tuple[str, str]]] = {}
     for name, timed in snapshot.tasks.items():
-        for refusal in filter(None, REASONS.split(timed.value.refused)):
-            reason = PRIORITY.sub("SCHED_FIFO {}", refusal)
-            tasks.setdefault(reason, []).append(name)
-            priorities.setdefault(reason, []).extend(PRIORITY.findall(refusal))
-    for reason, names in tasks.items():
-        asked = ", ".join(dict.fromkeys(priorities[reason]))
+        for refusal in timed.value.refusals:
+            same.setdefault((refusal.kind, refusal.why), []).append((name, refusal.asked))
+    for (kind, why), refused in same.items():
+        names = ", ".join(name for name, _ in refused)
+        asked = ", ".join(dict.fromkeys(asked for _, asked in refused))
         text = "views may be late when this machine is busy"
-        yield Degradation(f"refused {reason}", text, f"{', '.join(names)}: {reason.replace('{}', asked)}")
+        yield Degradation(f"refused {kind} {why}", text, f"{names}: {Refusal(kind, asked, why)}")

@@ -20,7 +20,7 @@ from app.web.health.monitor import HealthMonitor
 from app.web.live.messages import PICTURE, STATE, TOPICS, LiveMessages, Message
 from vision_core.clock import seconds_between
 from vision_core.scheduling.metrics import TaskMetrics
-from vision_core.scheduling.releases import Grid
+from vision_core.scheduling.releases import RAN, Grid
 
 RATE_HZ = 15.0
 PATIENCE_S = 5.0
@@ -60,7 +60,7 @@ class Live:
             if release is not None and await self._messages.make(self._taken(), self.pages):
                 reached, self._next = self._next, asyncio.Event()
                 reached.set()
-                self._metrics.ran(release, self._blackboard.now())
+                self._metrics.count_run(release, RAN, self._blackboard.now())
             now = self._blackboard.now()
             await asyncio.sleep(max(seconds_between(now, grid.due(now)), 0.0))
 

@@ -1,15 +1,17 @@
 """What ``/api/v1/tasks`` tells about every task of the table."""
 
 from dataclasses import fields
+from typing import Any
 
+from msgspec.structs import asdict
 from pydantic import ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.reports.base import Report
 from vision_core.rtdb.infos import TaskInfo, TaskOverride
-from vision_core.rtdb.items import Timed
-from vision_core.scheduling.task import HIGHEST_PRIORITY
+from vision_core.rtdb.task import HIGHEST_PRIORITY
+from vision_core.settings.schema import TaskTimes
 
 MAX_PERIOD_MS = 3.6e6
 
@@ -88,15 +90,26 @@ class Task(Report):
     """What somebody wants of it; null: nothing but what the table says."""
 
 
-SAID = tuple(entry.name for entry in fields(TaskInfo) if entry.name in Task.model_fields)
-"""What a task says of itself under the same name."""
+REPORTED = tuple(entry.name for entry in fields(TaskInfo) if entry.name in Task.model_fields)
+"""Fields that a task's record and its report have in common, beside those of its times."""
 
 
 def task_from(snapshot: ServiceSnapshot, name: str) -> Task:
     """The report of one task. Raises KeyError for one that is not on the table."""
-    timed, proposal = snapshot.tasks.get(name), snapshot.overrides.get(name)
-    proposed = Wish.of(proposal) if proposal is not None else None
-    return _spoken(name, timed, proposed) if timed is not None else _silent(snapshot, name, proposed)
+    line, timed, override = snapshot.task(name), snapshot.tasks.get(name), snapshot.overrides.get(name)
+    proposed = Wish.of(override) if override is not None else None
+    if timed is None:
+        return Task(name=name, process=line.process, trigger=line.trigger, proposed=proposed, **_times(line.times))
+    reported = {key: getattr(timed.value, key) for key in REPORTED}
+    return Task(
+        name=name,
+        age_s=timed.age_s,
+        valid=timed.valid,
+        proposed=proposed,
+        refused="; ".join(map(str, timed.value.refusals)),
+        **reported,
+        **_times(timed.value.times),
+    )
 
 
 def tasks_from(snapshot: ServiceSnapshot) -> list[Task]:
@@ -104,22 +117,5 @@ def tasks_from(snapshot: ServiceSnapshot) -> list[Task]:
     return [task_from(snapshot, name) for name in snapshot.task_names]
 
 
-def _spoken(name: str, timed: Timed[TaskInfo], proposed: Wish | None) -> Task:
-    told = {key: getattr(timed.value, key) for key in SAID}
-    return Task(name=name, age_s=timed.age_s, valid=timed.valid, proposed=proposed, **told)
-
-
-def _silent(snapshot: ServiceSnapshot, name: str, proposed: Wish | None) -> Task:
-    """A task that has not said anything: what its line of the settings says."""
-    line = snapshot.service.settings.tasks[name]
-    return Task(
-        name=name,
-        process=line.process or name,
-        enabled=line.enabled,
-        trigger=line.trigger if line.module else None,
-        period_ms=line.period_ms,
-        offset_ms=line.offset_ms,
-        priority=line.priority,
-        budget_ms=line.budget_ms,
-        proposed=proposed,
-    )
+def _times(times: TaskTimes) -> dict[str, Any]:
+    return {name: value for name, value in asdict(times).items() if name in Task.model_fields}

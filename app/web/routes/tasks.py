@@ -43,7 +43,7 @@ def task_routes(blackboard: Blackboard, proposals: Proposals) -> APIRouter:
         """Switch a task on or off, slow it, give it another priority: only keys that are sent change, null is the
         table's value. The wish outlives a restart of any process, not of the service."""
         before = _wanted(name)
-        proposals.change(tasks_from(blackboard.read()), name, wish)
+        proposals.change(name, wish)
         return Change(task=task_from(blackboard.read(), name), before=before)
 
     @router.delete("/{name}", responses=REFUSALS)

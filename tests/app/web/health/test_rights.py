@@ -8,6 +8,7 @@ from app.web.blackboard import ServiceSnapshot
 from app.web.health.rights import right_degradations
 from tests.app.fake_snapshot import serving_snapshot, task_report, timed, with_records
 from tests.app.fake_tasks import Condition, self_test
+from vision_core.rtdb.infos import Refusal, RefusalKind
 
 ALL = ("capture", "perceive", "serve", "boundary", "lines", "diagnose")
 LATE = "views may be late when this machine is busy"
@@ -36,11 +37,11 @@ def test_equal_refusals_are_one_cause_that_names_the_tasks(well: ServiceSnapshot
 
 
 def test_a_refusal_may_hold_a_semicolon(well: ServiceSnapshot) -> None:
-    cores = "cores 7 are refused: Invalid argument; there are 0, 1"
-    refused = f"SCHED_FIFO 20 is refused: Operation not permitted; {cores}"
-    assert sentences(replace(well, tasks={"lines": task_report("lines", refused=refused)})) == [
+    cores = Refusal(RefusalKind.CORES, "7", "Invalid argument; there are cores 0, 1")
+    priority = Refusal(RefusalKind.PRIORITY, "20", "Operation not permitted")
+    assert sentences(replace(well, tasks={"lines": task_report("lines", refusals=(priority, cores))})) == [
         f"{LATE}: lines: SCHED_FIFO 20 is refused: Operation not permitted",
-        f"{LATE}: lines: {cores}",
+        f"{LATE}: lines: running on cores 7 is refused: Invalid argument; there are cores 0, 1",
     ]
 
 

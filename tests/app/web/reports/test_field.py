@@ -27,7 +27,7 @@ def settings() -> Settings:
 
 
 def test_mirror_table_inverts_the_mirror(settings: Settings) -> None:
-    field = field_from(ServiceInfo("1", Instant(0), "", "", settings))
+    field = field_from(ServiceInfo("1", Instant(0), "", "", settings, ()))
     mirror = mirror_from(settings)
     known = [(px, metres) for px, metres in enumerate(field.mirror_m) if metres is not None]
     assert len(field.mirror_m) == 255
@@ -37,7 +37,7 @@ def test_mirror_table_inverts_the_mirror(settings: Settings) -> None:
 
 
 def test_painted_lines_lie_where_the_camera_sees_them(settings: Settings) -> None:
-    field = field_from(ServiceInfo("1", Instant(0), "", "", settings))
+    field = field_from(ServiceInfo("1", Instant(0), "", "", settings, ()))
     assert len(field.painted_px) == len(field.lines) + len(field.arcs)
     camera = CameraSetup.from_settings(settings).model
     for line, points in zip(field.lines, field.painted_px, strict=False):
@@ -56,7 +56,7 @@ def from_center(settings: Settings, points: Points, robot: RobotSighting, height
 
 
 def test_each_team_has_its_body() -> None:
-    field = field_from(ServiceInfo("1", Instant(0), "", "", MIXED))
+    field = field_from(ServiceInfo("1", Instant(0), "", "", MIXED, ()))
     assert field.robots == {
         "blue": RobotBody(outline="square", radius_m=0.04),
         "yellow": RobotBody(outline="circle", radius_m=0.09),
