@@ -17,6 +17,7 @@ from vision_core.venues.loader import load_settings
 NOW = Instant(100_000_000_000)
 ROBOT = RobotSighting(Team.BLUE, 1, 320.0, 240.0, 0.0, 0.0, 0.0, 0.9, 0.001, 0.01)
 SEEN = Sightings("main", 7, NOW, NOW, (ROBOT,), (), complete=True)
+UNCHANGED = TaskOverride()
 EMPTY_FIELD = Sightings("main", 7, NOW, NOW, (), (), complete=True)
 SETTINGS = load_settings()
 TASKS = {task.name: task for task in task_table(SETTINGS)}
@@ -32,9 +33,11 @@ def processes(**states: tuple[str, str]) -> Timed[Processes]:
     return timed(Processes(process_infos(tuple(TASKS.values()), states)))
 
 
-def task_report(name: str, *, rights: bool = True, **changes: object) -> Timed[TaskInfo]:
+def task_report(
+    name: str, override: TaskOverride = UNCHANGED, *, rights: bool = True, **changes: object
+) -> Timed[TaskInfo]:
     """The record of a task that runs well, with some fields changed."""
-    info = task_info(TASKS[name], TaskOverride(), 100, Condition(rights=rights))
+    info = task_info(TASKS[name], override, 100, Condition(rights=rights))
     return timed(replace(info, **changes))  # type: ignore[arg-type]
 
 

@@ -7,8 +7,9 @@ import json
 import os
 import threading
 import time
-from dataclasses import asdict
 from typing import Any
+
+from msgspec import to_builtins
 
 from tests.scheduling.tables import line
 from vision_core.clock import MonotonicClock
@@ -21,7 +22,7 @@ from vision_core.rtdb.task import PERIOD, Task
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.executive import Executive
 from vision_core.scheduling.handle import Handle
-from vision_core.scheduling.releases import Release
+from vision_core.scheduling.releases import IDLE, RAN, Release, StepResult
 from vision_core.venues.loader import load_settings
 
 IMAGES, SEEN = packed("images", int, 64, 1.0), packed("seen", int, 64, 1.0)
@@ -51,12 +52,12 @@ def main() -> None:
         handle = Handle(task, attachment, load_settings(), CameraSetup.from_settings(load_settings()))
         told = handle.writer(SEEN) if task.name == "eyes" else None
 
-        def step(_release: Release) -> bool:
+        def step(_release: Release) -> StepResult:
             counts[task.name][-1] += 1
             order.append(task.name)
             if told is not None:
                 told.write(1, handle.clock.now(), handle.clock.now())
-            return task.name != "idle"
+            return IDLE if task.name == "idle" else RAN
 
         return handle, step
 
@@ -78,7 +79,7 @@ def main() -> None:
     threading.Thread(target=drive).start()
     executive.run()
     now = MonotonicClock().now()
-    told = {task.name: asdict(records.task(task.name).reader(attachment.store).value(now)) for task in TASKS}
+    told = {task.name: to_builtins(records.task(task.name).reader(attachment.store).value(now)) for task in TASKS}
     print(json.dumps({"counts": counts, "heard": os.eventfd_read(heard), "told": told}))
 
 

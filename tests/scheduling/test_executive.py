@@ -26,29 +26,29 @@ def ran() -> dict[str, Any]:
     return found
 
 
-def test_a_record_releases_and_its_reader_is_told_every_time(ran: dict[str, Any]) -> None:
+def test_a_record_releases_a_task_and_its_readers_every_time(ran: dict[str, Any]) -> None:
     first, off, again, *_ = ran["counts"]["eyes"]
     assert 1 <= first <= 10
-    assert off <= 1  # the proposal may cross the first image
+    assert off <= 1  # the override may come after the first image
     assert 1 <= again <= 10
     assert ran["heard"] == sum(ran["counts"]["eyes"])
 
 
-def test_a_period_follows_a_proposal_and_comes_back(ran: dict[str, Any]) -> None:
+def test_a_period_follows_an_override_and_its_end(ran: dict[str, Any]) -> None:
     declared, faster, again, *_ = ran["counts"]["slow"]
     assert faster > declared
     assert faster > again
-    assert ran["told"]["slow"]["period_ms"] == 40.0
+    assert ran["told"]["slow"]["times"]["period_ms"] == 40.0
 
 
-def test_every_task_tells_how_it_stands(ran: dict[str, Any]) -> None:
+def test_every_task_reports(ran: dict[str, Any]) -> None:
     eyes, slow = ran["told"]["eyes"], ran["told"]["slow"]
-    assert (eyes["trigger"], eyes["enabled"], eyes["process"]) == ("images", True, "p")
-    assert eyes["overruns"] == eyes["runs"] > 0  # nobody is done in a nanosecond
+    assert (eyes["trigger"], eyes["times"]["enabled"], eyes["process"]) == ("images", True, "p")
+    assert eyes["overruns"] == eyes["runs"] > 0  # no run takes less than its budget of a nanosecond
     assert slow["overruns"] == 0
     assert slow["interval_mean_ms"] > 0.0
     assert slow["policy"] in ("FIFO 3", "ordinary") or slow["policy"].startswith("nice")
-    assert bool(slow["refused"]) == (not slow["policy"].startswith("FIFO"))
+    assert bool(slow["refusals"]) == (not slow["policy"].startswith("FIFO"))
 
 
 def test_a_run_with_nothing_to_do_does_not_count(ran: dict[str, Any]) -> None:

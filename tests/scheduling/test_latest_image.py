@@ -4,6 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from vision_core.clock import Instant, ManualClock
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb.slots import READ_TRIES, SlotView
 from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import IDLE, StepResult
@@ -23,14 +24,17 @@ class Ring:
     def view(self) -> SlotView:
         return SlotView(PAYLOAD, 5, Instant(0), Instant(0))
 
-    def is_unchanged(self, _glance: SlotView) -> bool:
+    def is_unchanged(self, _view: SlotView) -> bool:
         self.left -= 1
         return self.left < 0
 
 
 def images_from(overtakes: int) -> tuple[Images, Any]:
     handle: Any = SimpleNamespace(
-        settings=SETTINGS, clock=ManualClock(), note="", raw_reader=lambda _name: Ring(overtakes)
+        camera=CameraSetup.from_settings(SETTINGS),
+        clock=ManualClock(),
+        note="",
+        raw_reader=lambda _name: Ring(overtakes),
     )
     return Images(handle), handle
 

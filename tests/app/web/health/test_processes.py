@@ -7,6 +7,8 @@ import pytest
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.processes import RESTART_HOLD_S, process_degradations
 from tests.app.fake_snapshot import processes, serving_snapshot, task_report, with_records
+from vision_core.rtdb.infos import TaskOverride
+from vision_core.tasks.table import task_table
 from vision_core.venues.loader import load_settings
 
 
@@ -56,7 +58,7 @@ def test_a_needed_process_belongs_to_readiness(well: ServiceSnapshot, name: str)
 
 
 def test_a_task_that_was_switched_off_is_a_cause_unless_the_venue_has_it_so(well: ServiceSnapshot) -> None:
-    off = replace(well, tasks={"lines": task_report("lines", enabled=False)})
+    off = replace(well, tasks={"lines": task_report("lines", TaskOverride(enabled=False))})
     assert sentences(off) == ["task lines is switched off"]
-    venue = load_settings(options={"tasks.lines.enabled": False})
-    assert sentences(replace(off, service=replace(off.service, settings=venue))) == []
+    tasks = task_table(load_settings(options={"tasks.lines.enabled": False}))
+    assert sentences(replace(off, service=replace(off.service, tasks=tasks))) == []

@@ -17,8 +17,9 @@ from tests.app.fake_snapshot import (
     timed,
     with_records,
 )
-from vision_core.rtdb.infos import Processes, Serving
+from vision_core.rtdb.infos import Processes, Serving, TaskOverride
 from vision_core.rtdb.items import Timed
+from vision_core.tasks.table import task_table
 from vision_core.venues.loader import load_settings
 
 
@@ -69,17 +70,19 @@ def test_the_source_of_a_simulated_camera_is_waited_for(well: ServiceSnapshot) -
 
 
 def test_a_needed_task_may_share_a_process(well: ServiceSnapshot) -> None:
-    shared = {"perceive": task_report("perceive", process="watch")}
-    broken = with_records(replace(well, tasks=shared), processes=processes(watch=("disabled", "")))
+    tasks = task_table(load_settings(options={"tasks.perceive.process": "watch"}))
+    broken = with_records(
+        replace(well, service=replace(well.service, tasks=tasks)), processes=processes(watch=("disabled", ""))
+    )
     assert reasons_not_ready(broken) == ("process watch is disabled",)
 
 
 @pytest.mark.parametrize("task", ["source", "capture", "perceive", "serve"])
 def test_a_needed_task_that_is_switched_off(well: ServiceSnapshot, task: str) -> None:
     blind = with_records(replace(well, frame=None), sightings=None)
-    off = replace(blind, tasks={task: task_report(task, enabled=False)})
+    off = replace(blind, tasks={task: task_report(task, TaskOverride(enabled=False))})
     assert reasons_not_ready(off) == (f"task {task} is switched off",)
-    watcher = replace(well, tasks={"lines": task_report("lines", enabled=False)})
+    watcher = replace(well, tasks={"lines": task_report("lines", TaskOverride(enabled=False))})
     assert reasons_not_ready(watcher) == ()
 
 
