@@ -3,6 +3,7 @@
 All colors are those that perception judges: of the picture as the venue's light would show it.
 """
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,18 +11,21 @@ import numpy as np
 import typer
 
 from app.commands.options import ConfigFile, Venue
-from vision_core.errors import SettingsError, SourceError
+from vision_core.errors import SettingsError
 
 if TYPE_CHECKING:
     from vision_core.geometry import Bytes, Floats
     from vision_core.models.camera_setup import CameraSetup
     from vision_core.settings.schema import Settings
+    from vision_core.venues.loader import Layer
 
 colors_app = typer.Typer(no_args_is_help=True, help="Measure colors and light in pictures.")
 
 Picture = Annotated[Path, typer.Argument(help="A picture of the venue.")]
 Places = Annotated[list[str], typer.Option("--at", help="Pixels: X,Y or X,Y,X,Y,...; may be repeated.")]
-Radius = Annotated[int, typer.Option(min=0, max=50, help="A color is the median of a square that reaches so far [px].")]
+Radius = Annotated[
+    int, typer.Option(min=0, max=50, help="A color is the median of the square of pixels up to this far away [px].")
+]
 
 
 @colors_app.command("sample")
@@ -32,16 +36,22 @@ def sample(
     radius: Radius = 2,
     venue: Venue = None,
     config: ConfigFile = None,
+    save: Annotated[
+        bool, typer.Option("--save", help="Write the samples into the file of --config or --venue.")
+    ] = False,
 ) -> None:
-    """Print the lines of a venue that make a class of measured colors."""
+    """Measure colors, and print the lines of a venue's file that add them to a class."""
     from vision_core.color.explain import in_words
     from vision_core.color.samples import hex_from_bgr
-    from vision_core.venues.loader import load_settings
+    from vision_core.venues.loader import layers_of, settings_from_layers
+    from vision_core.venues.palette_edit import sample_table, save_samples
 
-    settings = load_settings(venue, config)
-    if name in settings.colors.classes:
-        accepted = "a class that colors.classes does not have: take it out there, or give its boxes wider bounds"
-        raise SettingsError(f"--class {name}", found="a class by ranges", accepted=accepted)
+    layers = layers_of(venue, config)
+    settings = settings_from_layers(layers, complete_palette=False)
+    target = _layer_to_edit(venue, config, layers)
+    _check_not_by_ranges(name, target)
+    if save and target is None:
+        raise SettingsError("--save", found="no file of yours", accepted="--venue FILE.toml or --config FILE.toml")
     pixels = _lit_picture(picture, settings)
     measured = []
     for place in places_of(at):
@@ -50,10 +60,58 @@ def sample(
         typer.echo(f"# {place[0]},{place[1]}: {in_words(bgr)}")
     samples = {**settings.colors.samples}
     samples[name] = tuple(dict.fromkeys((*samples.get(name, ()), *measured)))
-    typer.echo("[colors.samples]")
-    for known, texts in samples.items():
-        quoted = ", ".join(f'"{text}"' for text in texts)
-        typer.echo(f"{known} = [{quoted}]")
+    typer.echo(sample_table(samples))
+    if save and target is not None:
+        save_samples(Path(target.name), target.text, samples, name)
+    typer.echo(f"# {_where_they_go(target, saved=save)}", err=True)
+    if missing := _missing_classes(settings, name):
+        typer.echo(f"# classes without a color yet: {', '.join(missing)}; sample them in the same way", err=True)
+
+
+def _layer_to_edit(venue: str | None, config: Path | None, layers: "list[Layer]") -> "Layer | None":
+    """The user's own file that samples belong into: --config, or a --venue that is a path; None: a shipped venue."""
+    path = str(config) if config is not None else venue
+    if path is None or not path.endswith(".toml"):
+        return None
+    return next(layer for layer in reversed(layers) if layer.name == str(Path(path)))
+
+
+def _check_not_by_ranges(name: str, target: "Layer | None") -> None:
+    """A file defines a class by ranges or by samples; those of the files below it are replaced."""
+    from vision_core.venues.loader import place_of
+
+    if target is None or name not in target.table.get("colors", {}).get("classes", {}):
+        return
+    where = place_of(f"colors.classes.{name}", [target])
+    accepted = f"a class that [colors.classes] of this file does not define: delete {name} there, or widen its ranges"
+    raise SettingsError(f"--class {name}", found=f"a class by ranges ({where})", accepted=accepted)
+
+
+def _where_they_go(target: "Layer | None", *, saved: bool) -> str:
+    from vision_core.venues.toml_lines import line_of
+
+    if target is None:
+        return "append these lines to your venue's file; with --venue FILE.toml --save this command does it"
+    if saved:
+        return f"saved in {target.name}"
+    if "samples" in target.table.get("colors", {}):
+        line = line_of(target.text, ["colors", "samples"])
+        return f"replace [colors.samples] in line {line} of {target.name} by these lines; --save does it"
+    return f"append these lines to {target.name}; --save does it"
+
+
+def _missing_classes(settings: "Settings", just_sampled: str) -> list[str]:
+    """Color classes that the ball and the robots' patterns need and the settings do not define."""
+    from vision_core.models.from_settings import robots_of
+    from vision_core.patterns.loader import load_pattern
+    from vision_core.types.objects import Team
+    from vision_core.venues.rules import class_names
+
+    needed = dict.fromkeys([settings.ball.color, *settings.ball.surrounding])
+    for team in Team:
+        pattern = load_pattern(robots_of(settings.robots, team).pattern)
+        needed |= dict.fromkeys(color for number in pattern.code_by_id for color in pattern.colors_worn(team, number))
+    return [color for color in needed if color not in (just_sampled, *class_names(settings))]
 
 
 @colors_app.command("show")
@@ -61,9 +119,8 @@ def show(picture: Picture, at: Places, radius: Radius = 0, venue: Venue = None, 
     """Say which class a color is of, and why not of another."""
     from vision_core.color.explain import in_words, verdicts
     from vision_core.color.lookup_table import compile_color_table
-    from vision_core.venues.loader import load_settings
 
-    settings = load_settings(venue, config)
+    settings = _settings(venue, config)
     table = compile_color_table(settings.colors)
     pixels = _lit_picture(picture, settings)
     for place in places_of(at):
@@ -83,14 +140,16 @@ def light(
     """Measure the light: what colors.light.reference_bgr should be, and the gains that pictures would get."""
     from vision_core.color.light import field_samples, light_of, reference_of
     from vision_core.models.camera_setup import CameraSetup
-    from vision_core.venues.loader import load_settings
 
-    settings = load_settings(venue, config)
+    settings = _settings(venue, config)
     camera, wanted = CameraSetup.from_settings(settings), settings.colors.light
     samples = field_samples(camera.model, settings.field, camera.size_px, wanted.margin_m)
     for picture in pictures:
         pixels = _sized_picture(picture, camera)
         found, _ = reference_of(pixels, samples, wanted.band)
+        if not all(map(math.isfinite, found)):
+            accepted = "a camera and colors.light.margin_m for which some of the field lies in the picture"
+            raise SettingsError("colors.light", found="no sample of the field in the picture", accepted=accepted)
         over = ", ".join(f"{level - dark:.1f}" for level, dark in zip(found, wanted.black_bgr, strict=True))
         judged = light_of(pixels, samples, wanted)
         gains = judged.reason or f"gains {' '.join(f'{gain:.2f}' for gain in judged.gain_bgr)}"
@@ -112,7 +171,10 @@ def places_of(texts: list[str]) -> list[tuple[int, int]]:
 
 
 def color_at(pixels: "Bytes", place: tuple[int, int], radius: int, picture: Path) -> "Floats":
-    """Median color round a pixel, shape (3,); what of the square lies outside is left out. Raises SettingsError."""
+    """Median color of the square round a pixel, shape (3,), without what lies outside of the picture.
+
+    Raises SettingsError for a pixel outside of the picture.
+    """
     x, y = place
     height, width, _ = pixels.shape
     if not (0 <= x < width and 0 <= y < height):
@@ -123,18 +185,21 @@ def color_at(pixels: "Bytes", place: tuple[int, int], radius: int, picture: Path
     return median
 
 
+def _settings(venue: str | None, config: Path | None) -> "Settings":
+    """Settings whose palette may still lack classes."""
+    from vision_core.venues.loader import layers_of, settings_from_layers
+
+    return settings_from_layers(layers_of(venue, config), complete_palette=False)
+
+
 def _sized_picture(picture: Path, camera: "CameraSetup") -> "Bytes":
     from vision_core.native.opencv import read_picture
 
-    pixels = read_picture(picture)
-    if pixels.shape != camera.shape:
-        accepted = f"{camera.size_px[0]}x{camera.size_px[1]} (camera.width_px, camera.height_px of the venue)"
-        raise SourceError(f"picture {picture}", found=f"{pixels.shape[1]}x{pixels.shape[0]} px", accepted=accepted)
-    return pixels
+    return read_picture(picture, camera.size_px)
 
 
 def _lit_picture(picture: Path, settings: "Settings") -> "Bytes":
-    """The picture as perception sees it. A light that cannot be judged is told on stderr."""
+    """The picture as perception sees it; why its light could not be judged is printed to stderr."""
     from vision_core.clock import Instant
     from vision_core.color.light import Lighting
     from vision_core.models.camera_setup import CameraSetup

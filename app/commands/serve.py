@@ -68,14 +68,13 @@ def _run(settings: "Settings") -> int:
     from app.launch.plan import plan_service, prepare_data_folder
     from app.launch.resource_owners import lock_camera
     from app.supervisor.supervisor import Supervisor
-    from vision_core.capture.source import is_device
     from vision_core.rtdb import records
     from vision_core.scheduling.selftest import in_words
 
     prepare_data_folder()
     with contextlib.ExitStack() as held:
-        if is_device(settings):
-            held.enter_context(lock_camera(settings.source.uri.partition(":")[2]))
+        if settings.source.device is not None:
+            held.enter_context(lock_camera(settings.source.device))
         plan, info = plan_service(settings, __version__)
         machine = _try_out(settings)
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
@@ -105,6 +104,8 @@ def _try_out(settings: "Settings") -> "SelfTest":
         if opened.returncode:
             lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
             raise PslvError((lines[-1] if opened.returncode == 2 else "\n".join(lines)) + _in_use_by(settings))
+        for line in opened.stderr.decode(errors="replace").splitlines():
+            _tell(line)
         told = timing.communicate()[0]
         if timing.returncode:
             raise PslvError(
@@ -116,9 +117,9 @@ def _try_out(settings: "Settings") -> "SelfTest":
 def _in_use_by(settings: "Settings") -> str:
     """Who else has the camera open that could not be: any program may, not only a service."""
     from app.launch.resource_owners import device_holder, device_path
-    from vision_core.capture.source import is_device
 
-    holder = device_holder(device_path(settings.source.uri.partition(":")[2])) if is_device(settings) else None
+    device = settings.source.device
+    holder = device_holder(device_path(device)) if device is not None else None
     return f"; {holder} has it open" if holder else ""
 
 

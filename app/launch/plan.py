@@ -12,7 +12,6 @@ import msgspec
 from app.launch.resource_owners import port_holder
 from app.supervisor.plan import ChildPlan, ServicePlan
 from app.web import PROCESS as WEB_PROCESS
-from vision_core.capture.source import is_device
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.native.kernel_cache import kernel_folder
@@ -155,7 +154,7 @@ def _slack_s(task: Task, settings: Settings) -> float:
     """How much longer than HEARTBEAT_S a healthy process may take between two heartbeats because of a task [s]."""
     if task.own_loop:
         return OWN_LOOP_S
-    if task.trigger == DRIVER and is_device(settings):
+    if task.trigger == DRIVER and settings.source.device is not None:
         return BLOCKED_DRIVER_S
     return 0.0
 

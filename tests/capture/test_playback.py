@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vision_core.capture.playback import Pictures
-from vision_core.capture.source import Source, open_source
+from vision_core.capture.source import ImageSource, open_source
 from vision_core.clock import NS_PER_S, ManualClock
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
@@ -21,7 +21,7 @@ from vision_core.venues.loader import load_settings
 WIDTH, HEIGHT = 96, 64
 
 
-def opened(path: Path) -> Source:
+def opened(path: Path) -> ImageSource:
     options = {"source.uri": f"file:{path}", "camera.width_px": WIDTH, "camera.height_px": HEIGHT}
     settings = load_settings(options=options)
     return open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
@@ -31,7 +31,7 @@ def plain(level: int, width: int = WIDTH) -> Bytes:
     return np.full((HEIGHT, width, 3), level, dtype=np.uint8)
 
 
-def levels(source: Source, count: int) -> list[int]:
+def levels(source: ImageSource, count: int) -> list[int]:
     pixels = plain(0)
     found = []
     for _ in range(count):

@@ -83,6 +83,9 @@ def in_words(bgr: Floats) -> str:
     """A color in the units of all spaces, in one line."""
     parts = [f"bgr {' '.join(f'{level:.0f}' for level in bgr)} {hex_from_bgr(bgr.tolist())}"]
     for space in SPACES:
-        values = ", ".join(f"{axis} {value:.3g}" for axis, value in units_of(bgr, space).items())
+        values = ", ".join(
+            f"{axis} {'none' if np.isnan(value) else format(value, '.3g')}"  # grey has no hue
+            for axis, value in units_of(bgr, space).items()
+        )
         parts.append(f"{space}: {values}")
     return " | ".join(parts)

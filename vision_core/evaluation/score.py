@@ -15,11 +15,14 @@ import numpy as np
 from vision_core.errors import SourceError
 from vision_core.evaluation.assignment import best_pairs
 from vision_core.evaluation.stills import detect_files
-from vision_core.evaluation.truth_files import PictureTruth, TrueRobot
+from vision_core.evaluation.truth_files import PictureTruth, TrueRobot, check_truth
 from vision_core.geometry import Floats
 from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.from_settings import robots_of
 from vision_core.native.opencv import Color, draw_circle, draw_text, read_picture, write_picture
+from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
+from vision_core.types.objects import Team
 
 Found = dict[str, Any]
 """A sighting as ``detect_files`` gives it."""
@@ -74,16 +77,17 @@ def evaluate(
 ) -> Iterator[PictureScore]:
     """The score of every picture, as it is done. draw: folder for overlays, in which misses are marked.
 
-    Raises SourceError for a picture that cannot be read or has not the venue's size.
+    Raises SourceError before the first picture for truth that cannot be the venue's, and for a picture that cannot be
+    read or has not the venue's size; SettingsError for a pattern that cannot be read.
     """
     camera = CameraSetup.from_settings(settings).size_px
+    ids = {team: frozenset(load_pattern(robots_of(settings.robots, team).pattern).code_by_id) for team in Team}
+    for picture in truth:
+        check_truth(picture, camera, ids)
     found = detect_files([picture.file for picture in truth], settings, draw)
     for picture, table in zip(truth, found, strict=True):
         if "error" in table:
             raise SourceError(str(table["error"]))
-        if picture.size_px not in (None, camera):
-            accepted = f"the venue's {camera[0]}x{camera[1]} px"
-            raise SourceError(f"truth of {picture.file}", found=f"image_size_px {picture.size_px}", accepted=accepted)
         score = score_picture(picture, table, tolerance_px)
         if draw is not None:
             _mark(draw / f"{picture.file.stem}.png", score)

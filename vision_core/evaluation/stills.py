@@ -40,12 +40,8 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
 def detect_still(file: Path, perception: Perception, draw: Path | None = None) -> dict[str, object]:
     """What one picture shows. Raises SourceError when it cannot be read, has another size, or the overlay fails."""
     settings = perception.settings
-    pixels = read_picture(file)
-    height, width, _ = pixels.shape
     camera = perception.camera
-    if (width, height) != camera.size_px:
-        accepted = f"{camera.size_px[0]}x{camera.size_px[1]} (camera.width_px, camera.height_px of the venue)"
-        raise SourceError(f"picture {file}", found=f"{width}x{height} px", accepted=accepted)
+    pixels = read_picture(file, camera.size_px)
     seen = perception.perceive(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock()).record()
     obstacles = finder_from(settings, camera).find(pixels, seen.robots, seen.balls)
     if draw is not None:

@@ -147,10 +147,10 @@ class HomographyCamera(CameraModel):
         self.image_from_floor: Floats = frozen(np.asarray(np.linalg.inv(self.floor_from_image), dtype=np.float64))
 
     def _floor_from_pixel(self, pixels: Floats) -> Floats:
-        return _mapped(self.floor_from_image, pixels)
+        return mapped(self.floor_from_image, pixels)
 
     def _pixel_from_floor(self, points: Floats) -> Floats:
-        return _mapped(self.image_from_floor, points)
+        return mapped(self.image_from_floor, points)
 
 
 def homography(source: Floats, target: Floats) -> Floats:
@@ -184,7 +184,8 @@ def _normalized(points: Floats) -> tuple[Floats, Floats]:
     return (points - mean) * scale, matrix
 
 
-def _mapped(matrix: Floats, points: Floats) -> Floats:
+def mapped(matrix: Floats, points: Floats) -> Floats:
+    """Points, shape (n, 2), mapped by a homography, shape (3, 3)."""
     lifted = np.column_stack([points, np.ones(len(points))]) @ matrix.T
     mapped: Floats = lifted[:, :2] / lifted[:, 2:]
     return mapped

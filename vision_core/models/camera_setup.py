@@ -1,7 +1,7 @@
 """One camera of a venue: its name, picture and rate, and the geometry that follows from its settings.
 
-Everything that depends on a camera takes a ``CameraSetup`` that was built once per process and handed on. No other
-module reads ``settings.camera``, except ``venues.rules``, which checks it. A second camera is then a second setup.
+Everything that depends on a camera takes a ``CameraSetup`` that was built once per process and handed on. Only
+``venues.camera_rules``, which checks it, reads ``settings.camera`` as well. A second camera is then a second setup.
 """
 
 from dataclasses import dataclass

@@ -17,6 +17,8 @@ from numpy.typing import NDArray  # noqa: E402
 
 from vision_core.errors import SourceError  # noqa: E402
 from vision_core.geometry import Bytes  # noqa: E402
+from vision_core.native.picture_size import picture_size  # noqa: E402
+from vision_core.user_files import check_regular, read_bytes  # noqa: E402
 
 cv2.setNumThreads(1)
 
@@ -27,6 +29,13 @@ Color: TypeAlias = tuple[int, int, int]
 FIXED_BITS = 4
 FIXED = 1 << FIXED_BITS
 
+MAX_SIDE_PX = 8192
+"""Largest width and height of a picture: those of the settings' camera."""
+MAX_PICTURE_BYTES = 300_000_000
+"""Largest file of a picture: MAX_SIDE_PX squared, three bytes a pixel and no compression, is a third less."""
+HEADER_BYTES = 1 << 20
+"""A picture's size stands within so many bytes; Exif data and color profiles may come before it."""
+PICTURE_FORMATS = "JPEG, PNG, BMP, TIFF or WebP"
 MAX_HZ = 1000.0
 VIDEOS = "a video that FFmpeg can decode: MP4, AVI, MKV, ..."
 YUYV = cv2.VideoWriter.fourcc(*"YUYV")
@@ -34,20 +43,46 @@ CAMERA_BUFFERS = 2
 """One fills while the other is read: more only make late frames later."""
 
 
-def read_picture(path: Path) -> Bytes:
-    """A picture file as blue green red, shape (height, width, 3). Raises SourceError."""
+def read_picture(path: Path, size_px: tuple[int, int] | None = None) -> Bytes:
+    """A picture file as blue green red, shape (height, width, 3).
+
+    size_px: width and height that it must have; a picture of another size is refused before it is decoded.
+    Raises SourceError when it cannot be read, is no picture, or has another size or more than MAX_SIDE_PX a side.
+    """
+    asked = f"picture {path}"
+    data = read_bytes(path, asked, SourceError, max_bytes=MAX_PICTURE_BYTES)
+    check_picture_size(asked, data, size_px)
     try:
-        data = np.fromfile(path, dtype=np.uint8)
-    except OSError as error:
-        raise SourceError(f"picture {path}", found=error.strerror or str(error)) from None
-    try:
-        image = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
-    except cv2.error:  # a header that claims more pixels than OpenCV allows
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    except cv2.error:  # a header that OpenCV refuses
         image = None
     if image is None:
-        found = "an empty file" if not data.size else "a file that is no picture, or a damaged one"
-        raise SourceError(f"picture {path}", found=found, accepted="JPEG, PNG, BMP, TIFF or WebP")
+        raise SourceError(asked, found="a damaged picture", accepted=PICTURE_FORMATS)
+    height, width, _ = image.shape
+    if size_px is not None and (width, height) != size_px:  # a picture that its Exif data turn by a right angle
+        raise _wrong_size(asked, (width, height), size_px)
     return cast("Bytes", image)
+
+
+def check_picture_size(asked: str, data: bytes, size_px: tuple[int, int] | None) -> None:
+    """Raise SourceError unless the header of a picture says a size that can be decoded, and the one that is wanted.
+
+    data: the file, or at least its first HEADER_BYTES; size_px: width and height, either way round as Exif data may
+    turn the picture; None: any.
+    """
+    found = picture_size(data)
+    if found is None:
+        what = "a file that is no picture, or a damaged one" if data else "an empty file"
+        raise SourceError(asked, found=what, accepted=PICTURE_FORMATS)
+    if size_px is not None and found not in (size_px, size_px[::-1]):
+        raise _wrong_size(asked, found, size_px)
+    if not 0 < min(found) <= max(found) <= MAX_SIDE_PX:
+        raise SourceError(asked, found=f"{found[0]}x{found[1]} px", accepted=f"sides of 1 to {MAX_SIDE_PX} px")
+
+
+def _wrong_size(asked: str, found_px: tuple[int, int], wanted_px: tuple[int, int]) -> SourceError:
+    accepted = f"{wanted_px[0]}x{wanted_px[1]} (camera.width_px, camera.height_px of the venue)"
+    return SourceError(asked, found=f"{found_px[0]}x{found_px[1]} px", accepted=accepted)
 
 
 def ycc_picture(image: Bytes) -> Bytes:
@@ -180,6 +215,7 @@ class Video:
 
 def open_video(path: Path) -> Video:
     """A video file. Raises SourceError."""
+    check_regular(path, f"video {path}", SourceError)
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not capture.isOpened():
         raise SourceError(f"video {path}", found="a file that is no video, or a damaged one", accepted=VIDEOS)

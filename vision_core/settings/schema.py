@@ -40,6 +40,12 @@ class SourceSettings(Record, frozen=True):
 
     uri: Annotated[str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n or path>")]
 
+    @property
+    def device(self) -> str | None:
+        """Number or path of the camera that the address names; None: no device, images are made when requested."""
+        kind, _, device = self.uri.partition(":")
+        return device if kind == "camera" and device else None
+
 
 class PinholeSettings(Record, frozen=True):
     """Lens and pose of a calibrated camera."""

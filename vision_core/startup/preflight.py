@@ -30,7 +30,8 @@ def main() -> int:
         check_tasks(settings, camera)
         source = open_source(settings, camera, MonotonicClock())
         if isinstance(source, Pictures):
-            source.check()
+            for skipped in source.check():
+                print(f"not played: {skipped}", file=sys.stderr)
         source.close()
     except PslvError as error:
         print(error, file=sys.stderr)

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from vision_core.capture.source import Source, is_device, open_source
+from vision_core.capture.source import ImageSource, open_source
 from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SourceError
 from vision_core.rtdb import records
@@ -29,7 +29,7 @@ PATIENCE_S = 1.0
 
 def start(handle: Handle) -> Step:
     """Prepare for a device, which is opened with the first image, or for images on request."""
-    return _from_device(handle) if is_device(handle.settings) else _on_request(handle)
+    return _on_request(handle) if handle.settings.source.device is None else _from_device(handle)
 
 
 def _from_device(handle: Handle) -> Step:
@@ -37,9 +37,9 @@ def _from_device(handle: Handle) -> Step:
     frames = handle.raw_writer(f"frames/{camera.name}")
     info = handle.writer(records.source(camera.name))
     shape = camera.shape
-    source: Source | None = None
+    source: ImageSource | None = None
 
-    def opened() -> Source:
+    def opened() -> ImageSource:
         fresh = open_source(handle.settings, camera, handle.clock)
         now = handle.clock.now()
         handle.attachment.heartbeat(now)
@@ -134,6 +134,6 @@ class _Publisher:
         return done.written
 
 
-def info_of(source: Source, uri: str) -> SourceInfo:
+def info_of(source: ImageSource, uri: str) -> SourceInfo:
     """The record of a source."""
     return SourceInfo(uri, source.description, source.repeats, source.rate_hz)

@@ -7,7 +7,7 @@ that fails is opened again once a second.
 
 import numpy as np
 
-from vision_core.capture.source import Played, open_played
+from vision_core.capture.source import PlayedSource, open_played
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.errors import SourceError
 from vision_core.rtdb import records
@@ -37,7 +37,7 @@ class _Player:
         self._requests = handle.reader(records.frame_requests(camera.name))
         self._done = handle.writer(records.frames_done(camera.name))
         self._info = handle.writer(records.source(camera.name))
-        self._source: Played | None = None
+        self._source: PlayedSource | None = None
         self._keeper = OrderedKeeper(camera.rate_hz)
         self._opened = Instant(0)
         self._filled = 0
@@ -72,7 +72,7 @@ class _Player:
         self._handle.note = ""
         return True
 
-    def _open(self) -> Played | None:
+    def _open(self) -> PlayedSource | None:
         """Open the source, at most once a second; None in between. Raises SourceError."""
         now = self._handle.clock.now()
         if now - self._opened < REOPEN_EVERY_S * NS_PER_S:

@@ -15,7 +15,6 @@ line names. Whatever else the service has to know about a task is a fact of its 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from vision_core.capture.source import is_device
 from vision_core.errors import SettingsError
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
@@ -71,7 +70,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         return line(name, PERIOD, [frames], [f"{name}/{camera}"], purpose=purpose)
 
     reader: dict[str, Any] = {"on_frame_path": True, "purpose": "reads the camera", "period_owner": "the camera"}
-    if is_device(settings):
+    if settings.source.device is not None:
         yield line("capture", DRIVER, [], [frames, source], **reader)
     else:
         yield line("capture", DRIVER, [done, source], [frames, requests], **reader)

@@ -1,10 +1,16 @@
-"""Loads settings: default.toml < field preset < venue < --config < options. The only loader.
+"""Loads settings: default.toml < field preset < pattern < venue < --config < options. The only loader.
 
-Tables are merged key by key; lists, ``colors.classes`` and ``colors.samples`` (a palette is one thing) are replaced.
-Every complaint names the file and the key, what was found and what would be accepted.
+Tables are merged key by key; lists, ``colors.classes`` and ``colors.samples`` are replaced as a whole, since colors are
+tuned against each other. A class that a file defines by samples replaces one of the same name by ranges in the files
+below it, and the other way round. Every message names the file, line and key, what was found and what is accepted.
+
+A name of another file (field, pattern, venue, pictures) is looked up in this order: a name that ends with ``.toml``,
+and the path of ``file:PATH``, is a path relative to the file that it stands in (on the command line: to the working
+folder); any other name is a shipped file of ``config/``.
 """
 
 import difflib
+import logging
 import math
 import re
 import tomllib
@@ -18,28 +24,50 @@ import msgspec
 
 from vision_core.errors import SettingsError
 from vision_core.settings.schema import ColorRange, HexColor, Settings, TaskSettings
+from vision_core.user_files import read_text
 from vision_core.venues.rules import check_settings
 from vision_core.venues.toml_lines import line_of
 
 Table = dict[str, Any]
 KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object": "a table", "array": "a list"}
+"""Types in msgspec's messages, in words."""
 DICTS = {
     "colors.classes": tuple[ColorRange, ...],
     "colors.samples": tuple[HexColor, ...],
     "tasks": TaskSettings,
 }
-"""Settings that are called as one likes, and what each is."""
+"""Settings whose keys are names of the user's choice, with the type of their values."""
 REPLACED = frozenset({"colors.classes", "colors.samples"})
+"""Tables that an upper layer replaces as a whole."""
+RENAMED = {
+    "robots.beyond_m": "robots.margin_m",
+    "colors.light.beyond_m": "colors.light.margin_m",
+    "blobs.strip": "blobs.scan_band",
+    "blobs.most_flooded": "blobs.max_flood_fraction",
+    "synthetic.feet": "synthetic.walking_people",
+}
+"""Former names of settings, which files may go on to use."""
+FILE_NAMES = ("field_preset", "robots.pattern", "robots.blue.pattern", "robots.yellow.pattern")
+"""Settings whose value may be a path of a .toml file."""
+MAX_FILE_BYTES = 256 * 1024
+"""Largest settings file: fifteen times default.toml."""
+MAX_DEPTH = 16
+"""Most tables within each other, and most parts of a dotted key."""
+LONG_KEY = re.compile(rf"(?<![\w.\"'-])(?:[\w\"'-]++\s*+\.\s*+){{{MAX_DEPTH}}}")
+"""A dotted key of more parts than that; tomllib's time grows with the square of their number."""
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """One source of values, and what to call it in a complaint."""
+    """One source of values."""
 
     name: str
+    """What messages call it: a path, or "command line or environment"."""
     table: Table
     text: str = ""
-    """Of the file."""
+    """Content of the file; empty for a layer that is no file."""
 
 
 @cache
@@ -62,8 +90,11 @@ def load_settings(
 
 
 def place_of(key: str, layers: list[Layer]) -> str:
-    """Where a setting stands: the file and its line, or what else set it."""
-    keys = key.split(".")
+    """The file and line that set a key, or the name of the layer that is no file."""
+    return _place(key.split("."), layers)
+
+
+def _place(keys: list[str], layers: list[Layer]) -> str:
     layer = _culprit(keys, layers)
     line = line_of(layer.text, keys)
     return layer.name if line is None else f"{layer.name}, line {line}"
@@ -94,7 +125,7 @@ def _robots(layer: Layer) -> Table:
 
 
 def _pattern_layers(robots: Table) -> list[Layer]:
-    """What the files of the chosen patterns say about the robots that wear them: outline, size and height."""
+    """Outline, size and height of the robots, as the files of their patterns give them."""
     layers = []
     for path, table in (((), robots), *(((team,), robots.get(team)) for team in ("blue", "yellow"))):
         if isinstance(table, dict) and isinstance(name := table.get("pattern"), str):
@@ -103,25 +134,28 @@ def _pattern_layers(robots: Table) -> list[Layer]:
     return layers
 
 
-def settings_from_layers(layers: list[Layer]) -> Settings:
-    """Merge layers, later wins, and check the result. Raises SettingsError naming the layer."""
+def settings_from_layers(layers: list[Layer], *, complete_palette: bool = True) -> Settings:
+    """Merge layers, later wins, and check the result.
+
+    complete_palette: the colors of the ball must have classes; False for commands that help to make a palette.
+    Raises SettingsError naming file, line and key.
+    """
     merged: Table = {}
     for layer in layers:
-        merged = _merged(merged, layer.table)
+        merged = _with_one_palette(_merged(merged, layer.table), layer.table)
     for keys, number in _numbers(merged, []):
         if not math.isfinite(number):
-            where = f"{_culprit(keys, layers).name}: {'.'.join(keys)}"
-            raise SettingsError(where, found=str(number), accepted="a number")
+            raise SettingsError(f"{_place(keys, layers)}: {'.'.join(keys)}", found=str(number), accepted="a number")
     try:
         settings = msgspec.convert(merged, Settings)
     except msgspec.ValidationError as error:
         raise _explained(str(error), merged, layers) from None
-    check_settings(settings, lambda key: _culprit(key.split("."), layers).name)
+    check_settings(settings, lambda key: place_of(key, layers), complete_palette=complete_palette)
     return settings
 
 
 def find_file(kind: str, name: str) -> Path:
-    """A shipped file of config/<kind> by name, or any file by path. Raises SettingsError."""
+    """A shipped file of config/<kind> by its name, or any file by a path that ends with .toml. Raises SettingsError."""
     if name.endswith(".toml"):
         return Path(name)
     shipped = {path.stem: path for path in sorted((config_folder() / kind).glob("*.toml"))}
@@ -135,14 +169,71 @@ def find_file(kind: str, name: str) -> Path:
 
 
 def read_layer(path: Path) -> Layer:
-    """One TOML file. Raises SettingsError when it cannot be read."""
+    """One TOML file, with keys by their present names and files by absolute paths. Raises SettingsError."""
+    asked = f"configuration file {path}"
+    text = read_text(path, asked, SettingsError, max_bytes=MAX_FILE_BYTES)
+    if LONG_KEY.search(text):
+        raise SettingsError(asked, found=f"a key of more than {MAX_DEPTH} parts", accepted="keys of this file's kind")
     try:
-        text = path.read_text(encoding="utf-8")
-        return Layer(str(path), tomllib.loads(text), text)
-    except OSError as error:
-        raise SettingsError(f"configuration file {path}", found=error.strerror or str(error)) from None
-    except (ValueError, RecursionError) as error:  # no TOML, no UTF-8, NUL in the name; brackets without end
-        raise SettingsError(f"configuration file {path}", found=str(error), accepted="TOML") from None
+        table = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # no TOML; brackets without end
+        raise SettingsError(asked, found=str(error), accepted="TOML") from None
+    if _depth(table) > MAX_DEPTH:
+        raise SettingsError(asked, found=f"tables in more than {MAX_DEPTH} others", accepted="keys of this file's kind")
+    layer = Layer(str(path), table, text)
+    _rename(layer)
+    _make_absolute(table, path.absolute().parent)
+    return layer
+
+
+def _rename(layer: Layer) -> None:
+    """Give values of a layer that stand under a former key their present one, and log that."""
+    for old, new in RENAMED.items():
+        *parents, last = old.split(".")
+        is_there, table = _lookup(layer.table, parents)
+        if not is_there or not isinstance(table, dict) or last not in table:
+            continue
+        where = f"{layer.name}, line {line_of(layer.text, [*parents, last])}"
+        present = new.rpartition(".")[2]
+        if present in table:
+            raise SettingsError(f"{where}: {old}", found=f"{new} as well, its present name", accepted="one of them")
+        table[present] = table.pop(last)
+        log.warning("%s is now called %s (%s)", old, new, where)
+
+
+def _make_absolute(table: Table, folder: Path) -> None:
+    """Make relative names of files absolute, from the folder of the file that they stand in."""
+    for key in FILE_NAMES:
+        *parents, last = key.split(".")
+        _, parent = _lookup(table, parents)
+        if isinstance(parent, dict) and isinstance(name := parent.get(last), str) and name.endswith(".toml"):
+            parent[last] = str(folder / name)
+    _, source = _lookup(table, ["source"])
+    if isinstance(source, dict) and re.match("file:.", uri := str(source.get("uri", ""))):
+        source["uri"] = f"file:{folder / uri.removeprefix('file:')}"
+
+
+def _with_one_palette(merged: Table, above: Table) -> Table:
+    """Merged tables in which no color class of the layer merged last has its old definition of the other kind too."""
+    colors, new = merged.get("colors"), above.get("colors")
+    if not isinstance(colors, dict) or not isinstance(new, dict):
+        return merged
+    colors = dict(colors)
+    for kind, other in (("samples", "classes"), ("classes", "samples")):
+        named, old = new.get(kind), colors.get(other)
+        if isinstance(named, dict) and isinstance(old, dict) and other not in new:
+            colors[other] = {name: value for name, value in old.items() if name not in named}
+    return {**merged, "colors": colors}
+
+
+def _depth(table: Any) -> int:
+    """How many tables and lists lie within each other at most."""
+    depth, level = 0, [table]
+    while level:
+        depth += 1
+        inner = [list(node.values()) if isinstance(node, dict) else node for node in level]
+        level = [item for items in inner for item in items if isinstance(item, (dict, list))]
+    return depth
 
 
 def _nested(options: Mapping[str, Any]) -> Table:
@@ -183,6 +274,7 @@ def _numbers(node: Any, keys: list[str]) -> Iterator[tuple[list[str], float]]:
 
 
 def _lookup(table: Any, keys: list[str]) -> tuple[bool, Any]:
+    """Is there a value at a path, and which?"""
     for key in keys:
         if isinstance(table, dict) and key in table:
             table = table[key]
@@ -194,7 +286,7 @@ def _lookup(table: Any, keys: list[str]) -> tuple[bool, Any]:
 
 
 def _culprit(keys: list[str], layers: list[Layer]) -> Layer:
-    """The uppermost layer that sets a key, or one of its parents."""
+    """The uppermost layer that sets a key, or else the nearest of its parents."""
     for depth in range(len(keys), 0, -1):
         for layer in reversed(layers):
             if _lookup(layer.table, keys[:depth])[0]:
@@ -203,7 +295,7 @@ def _culprit(keys: list[str], layers: list[Layer]) -> Layer:
 
 
 def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsError:
-    """msgspec's complaint, with the file, the key, the value and the nearest known keys."""
+    """msgspec's message as ours: with the file, the key, the value and the nearest known keys."""
     text, _, where = message.partition(" - at ")
     keys = re.findall(r"[A-Za-z_][A-Za-z0-9_-]*|\d+|\.\.\.", where)
     if "..." in keys:  # msgspec does not name the key of a dict: find the entry that fails by itself
@@ -215,23 +307,23 @@ def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsErro
         hint = f" (did you mean {close[0]}?)" if close else ""
         name = ".".join([*keys, bad])
         return SettingsError(
-            f"{_culprit([*keys, bad], layers).name}: {name}",
+            f"{_place([*keys, bad], layers)}: {name}",
             found=f"no setting of this name{hint}",
             accepted=", ".join(known),
         )
     if missing := re.search(r"missing required field `(.*)`", text):
         keys = [*keys, missing.group(1)]
-        return SettingsError(f"{_culprit(keys, layers).name}: {'.'.join(keys)}", found="nothing", accepted="a value")
-    there, value = _lookup(merged, keys)
+        return SettingsError(f"{_place(keys, layers)}: {'.'.join(keys)}", found="nothing", accepted="a value")
+    is_there, value = _lookup(merged, keys)
     return SettingsError(
-        f"{_culprit(keys, layers).name}: {'.'.join(keys)}",
-        found=repr(value) if there else "",
+        f"{_place(keys, layers)}: {'.'.join(keys)}",
+        found=repr(value) if is_there else "",
         accepted=_accepted(text, keys),
     )
 
 
 def _accepted(text: str, keys: list[str]) -> str:
-    """What msgspec expected, in words for people."""
+    """The value that msgspec expected, in words."""
     if choices := _schema_node(keys).get("enum"):
         return ", ".join(choices)
     wanted = text.removeprefix("Expected ").partition(", got")[0].replace("`", "")
@@ -241,7 +333,7 @@ def _accepted(text: str, keys: list[str]) -> str:
 
 
 def _bad_entry(merged: Table, keys: list[str]) -> str:
-    """The first entry that is wrong of one of the dicts in the settings."""
+    """Name of the first wrong entry of one of the dicts in the settings."""
     for name, entry in _lookup(merged, keys)[1].items():
         try:
             msgspec.convert(entry, DICTS[".".join(keys)])
@@ -251,12 +343,12 @@ def _bad_entry(merged: Table, keys: list[str]) -> str:
 
 
 def _known_keys(keys: list[str]) -> list[str]:
-    """Names that the struct at a path accepts."""
+    """Names of the keys of the struct at a path."""
     return sorted(_schema_node(keys).get("properties", {}))
 
 
 def _schema_node(keys: list[str]) -> dict[str, Any]:
-    """What the JSON schema of the settings says about a path."""
+    """The node of the settings' JSON schema at a path."""
     schema = msgspec.json.schema(Settings)
     definitions = schema["$defs"]
 

@@ -1,61 +1,79 @@
-"""Rules that span several settings."""
+"""Rules that span several settings: what the type and range of a single key cannot say."""
 
+import ipaddress
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from vision_core.errors import SettingsError
-from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import diagonal_m
 from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import check_span
-from vision_core.settings.schema import ColorRange, HomographySettings, Settings
+from vision_core.settings.schema import ColorRange, Settings
+from vision_core.venues.camera_rules import camera_violations
+from vision_core.venues.violation import Violation
 
 SPACE_KEYS = {
     "hsv": {"hue_deg", "saturation", "value"},
     "ymp": {"luma", "module", "phase_deg"},
     "ec": {"luma", "hue_deg", "saturation"},
 }
+"""Axes of each color space."""
 ANGLES = {"hue_deg", "phase_deg"}
 MAX_CLASSES = 31
 LETTERS_PER_TEAM = 16
 TASK_NAME = re.compile(r"[a-z][a-z0-9_]{0,15}")
+SAMPLE_COMMAND = "pslv colors sample PICTURE --venue FILE --save --class {name} --at X,Y"
 
 
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A rule that does not hold."""
+def check_settings(settings: Settings, place_of: Callable[[str], str], *, complete_palette: bool = True) -> None:
+    """Raise SettingsError for the first rule that does not hold.
 
-    key: str
-    found: str
-    accepted: str
-
-
-def check_settings(settings: Settings, file_of: Callable[[str], str]) -> None:
-    """Raise SettingsError for the first rule that does not hold; file_of names the file that sets a key."""
-    for rule in (_colors, _letters, _match, _camera, _mirror, _tasks):
+    place_of: names the file and line that set a key; complete_palette: the colors of the ball must have classes; False
+    for commands that help to make a palette.
+    """
+    rules = [_colors, _letters, _match, camera_violations, _mirror, _tasks, _admission]
+    if complete_palette:
+        rules.append(_ball_colors)
+    for rule in rules:
         for violation in rule(settings):
-            where = f"{file_of(violation.key)}: {violation.key}"
+            where = f"{place_of(violation.key)}: {violation.key}"
             raise SettingsError(where, found=violation.found, accepted=violation.accepted)
+
+
+def class_names(settings: Settings) -> list[str]:
+    """Every color class, by ranges or by samples."""
+    return [*settings.colors.classes, *(name for name in settings.colors.samples if name != "none")]
 
 
 def _colors(settings: Settings) -> Iterator[Violation]:
     samples = settings.colors.samples
-    classes = [*settings.colors.classes, *(name for name in samples if name != "none")]
+    classes = class_names(settings)
     if both := sorted(settings.colors.classes.keys() & samples.keys()):
-        yield Violation("colors.samples", ", ".join(both), "classes that colors.classes does not have")
+        accepted = "each class either in colors.classes or in colors.samples"
+        yield Violation("colors.samples", f"{', '.join(both)} in both", accepted)
     if len(classes) > MAX_CLASSES:
         yield Violation("colors.classes", f"{len(classes)} classes", f"at most {MAX_CLASSES}")
     for name, boxes in settings.colors.classes.items():
         for box in boxes:
             yield from _box(f"colors.classes.{name}", box, settings.colors.space)
+    owners: dict[str, str] = {}
+    for name, texts in samples.items():
+        for text in texts:
+            if (owner := owners.setdefault(text.lower(), name)) != name:
+                yield Violation(f"colors.samples.{name}", f"{text}, a sample of {owner} too", "each color in one class")
     low, high = settings.colors.light.band
     if low >= high:
         yield Violation("colors.light.band", f"[{low:g}, {high:g}]", "two shares, the lower one first")
+
+
+def _ball_colors(settings: Settings) -> Iterator[Violation]:
+    classes = class_names(settings)
     wanted = [("ball.color", settings.ball.color), *(("ball.surrounding", name) for name in settings.ball.surrounding)]
     for key, name in wanted:
         if name not in classes:
-            yield Violation(key, repr(name), f"a color class: {', '.join(classes)}")
+            known = f"one of {', '.join(classes)}" if classes else "there is none yet"
+            measure = SAMPLE_COMMAND.format(name=repr(name) if " " in name else name)
+            yield Violation(key, repr(name), f"a color class: {known}; to make it: {measure}")
 
 
 def _box(key: str, box: ColorRange, space: str) -> Iterator[Violation]:
@@ -79,34 +97,8 @@ def _match(settings: Settings) -> Iterator[Violation]:
     for key in ("blue_ids", "yellow_ids"):
         ids = getattr(settings.match, key)
         if len(ids) < numbers or len(set(ids)) < len(ids):
-            yield Violation(f"match.{key}", f"{list(ids)}", f"at least match.numbers ({numbers}) ids, each once")
-
-
-def _camera(settings: Settings) -> Iterator[Violation]:
-    key = f"camera.{settings.camera.model}"
-    if settings.camera.model == "homography" and settings.camera.homography is None:
-        yield Violation(key, "nothing", "four named points, as camera.model says homography")
-        return
-    if settings.camera.homography is not None:
-        yield from _points(settings, settings.camera.homography)
-    try:
-        camera = CameraSetup.from_settings(settings).model
-    except SettingsError as error:
-        yield Violation(key, error.found, error.accepted)
-        return
-    height_m = camera.position_m[2]
-    if not height_m > settings.robots.height_m:
-        yield Violation(f"{key}.position_m", f"{height_m:g} m high", "a camera higher than the robots' markers")
-
-
-def _points(settings: Settings, homography: HomographySettings) -> Iterator[Violation]:
-    """A corner may lie a little outside of the picture; far away it is a slip of the finger."""
-    width, height = settings.camera.width_px, settings.camera.height_px
-    for point in homography.points:
-        x, y = point.pixel_px
-        if not (-width / 2 <= x <= 1.5 * width and -height / 2 <= y <= 1.5 * height):
-            found = f"{point.name!r} at ({x:g}, {y:g}) px"
-            yield Violation("camera.homography.points", found, f"points in or near the picture of {width}x{height}")
+            accepted = f"at least match.numbers ({numbers}) ids, each once"
+            yield Violation(f"match.{key}", f"{len(ids)} ids, {list(ids)}", accepted)
 
 
 def _mirror(settings: Settings) -> Iterator[Violation]:
@@ -122,3 +114,12 @@ def _tasks(settings: Settings) -> Iterator[Violation]:
             yield Violation(f"tasks.{name}", repr(name), "small letters, digits and _ , 16 at most, a letter first")
         if task.process and not TASK_NAME.fullmatch(task.process):
             yield Violation(f"tasks.{name}.process", repr(task.process), "a name as of a task, or nothing")
+
+
+def _admission(settings: Settings) -> Iterator[Violation]:
+    for subnet in settings.admission.subnets:
+        try:
+            ipaddress.ip_network(subnet)
+        except ValueError as error:
+            accepted = "an address or a subnet, 192.168.1.0/24"
+            yield Violation("admission.subnets", str(error), accepted)

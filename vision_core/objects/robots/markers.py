@@ -145,7 +145,7 @@ def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
         raise SettingsError(
             f"pattern {pattern.name}: colors",
             found=", ".join(unknown),
-            accepted=f"classes of colors.classes: {', '.join(table.names[1:])}",
+            accepted=f"color classes: {', '.join(table.names[1:])}; pslv colors sample measures further ones",
         )
 
 
