@@ -130,11 +130,11 @@ def test_what_is_not_listed_is_not_scored(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("picture", "complaint"),
     [
-        ({"robots": [], "bals": [], "hue": 3}, "one.png; found: foreign keys bals, hue; accepted: robots, balls"),
-        ({"ball": None, "robots": []}, "foreign keys robots"),
-        ({"robots": [{"team": "red", "center_px": [1, 2]}]}, "Invalid enum value 'red'"),
+        ({"robots": [], "bals": [], "hue": 3}, "one.png; found: unknown keys bals, hue; accepted: robots, balls"),
+        ({"ball": None, "robots": []}, "unknown keys robots"),
+        ({"robots": [{"team": "red", "center_px": [1, 2]}]}, "robots[0].team; found: 'red'; accepted: blue, yellow"),
         ({"robots": [{"team": "blue", "center_px": [1, 2], "angle": 3}]}, "unknown field `angle`"),
-        ({"robots": [{"team": "blue"}]}, "a robot with both or none"),
+        ({"robots": [{"team": "blue"}]}, "found: neither of center_px and centre_px"),
         ({"balls": [[1]]}, "of length 2"),
         ([], "accepted: a table"),
     ],

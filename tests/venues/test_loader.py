@@ -1,6 +1,8 @@
 """One loader: every shipped file loads, every key is declared once, every mistake is named."""
 
+import os
 import re
+import shutil
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -9,8 +11,9 @@ import msgspec
 import pytest
 
 from vision_core.errors import SettingsError
+from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
-from vision_core.venues.loader import config_folder, find_file, load_settings
+from vision_core.venues.loader import RENAMED, config_folder, find_file, load_settings
 
 DEFAULT = tomllib.loads((config_folder() / "default.toml").read_text())
 
@@ -103,6 +106,19 @@ WRONG = [
     ("[colors.classes]\norange = [{ value = [0.9, 0.1] }]", r"orange.value; found: \[0.9, 0.1\]; accepted: the lower"),
     ("[colors.classes]\norange = [{ luma = [0, 9] }]", r"orange; found: luma; accepted: .*\(colors.space is hsv\)"),
     ("[match]\nblue_ids = [1, 1, 2, 3, 4, 5]", "match.blue_ids; .* each once"),
+    ("[match]\nblue_ids = [1, 2, 3]", r"line 2: match.blue_ids; found: 3 ids, \[1, 2, 3\]; accepted: at least"),
+    (
+        '[colors.samples]\nred = ["#FF0000"]\npale = ["#ff0000"]',
+        "line 3: colors.samples.pale; found: #ff0000, a sample of",
+    ),
+    (
+        '[admission]\nsubnets = ["10.0.0.0/8", "192.168.1.300/24"]',
+        "line 2: admission.subnets; found: '192.168.1.300/24'",
+    ),
+    (
+        "[colors.classes]",
+        "ball.color; found: 'orange'; accepted: a color class: there is none yet; to make it: pslv colors",
+    ),
     ("[match]\nnumbers = 17", "match.numbers; found: 17; accepted: a whole number <= 16"),
     ("field_preset = 'moon'", "field 'moon'; found: no such file; accepted: ssl-2002, ssl-division-b"),
     ("camera = 3", "camera; found: 3; accepted: a table"),
@@ -120,7 +136,7 @@ def test_a_mistake_names_file_key_found_and_accepted(tmp_path: Path, text: str, 
     venue.write_text(text)
     with pytest.raises(SettingsError, match=message) as caught:
         load_settings(str(venue))
-    if "field_preset" not in text:
+    if "field_preset" not in text and text != "[colors.classes]":
         assert str(venue) in str(caught.value)
 
 
@@ -130,6 +146,92 @@ def test_a_file_that_is_no_toml_is_named(tmp_path: Path, content: bytes) -> None
     venue.write_bytes(content)
     with pytest.raises(SettingsError, match=re.escape(str(venue))):
         load_settings(str(venue))
+
+
+def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_bytes(b"\xef\xbb\xbf[server]\nport = 9000\n")
+    assert load_settings(str(venue)).server.port == 9000
+
+
+def test_what_is_no_settings_file_is_refused_at_once(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "zero.toml").symlink_to("/dev/zero")
+    (tmp_path / "large.toml").write_text("#" * 300_000)
+    (tmp_path / "dotted.toml").write_text("a" + ".a" * 1500 + " = 1\n")
+    (tmp_path / "quoted.toml").write_text('a = 1\n"a"' + ' . "a"' * 40 + " = 1\n")
+    (tmp_path / "nested.toml").write_text("a = " + "[" * 40 + "]" * 40)
+    for name, found in (
+        ("pipe.toml", "a FIFO"),
+        ("zero.toml", "a device"),
+        ("large.toml", "300000 bytes"),
+        ("dotted.toml", "a key of more than 16 parts"),
+        ("quoted.toml", "a key of more than 16 parts"),
+        ("nested.toml", "tables in more than 16 others"),
+    ):
+        with pytest.raises(SettingsError, match=f"{name}; found: {found}"):
+            load_settings(str(tmp_path / name))
+
+
+def test_a_former_key_goes_on_to_work_and_says_so_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text(
+        "[robots]\nbeyond_m = 0.2\n[colors.light]\nbeyond_m = 0.3\n[blobs]\nstrip = 0.2\nmost_flooded = 0.4\n"
+        "[synthetic]\nfeet = 3\n"
+    )
+    settings = load_settings(str(venue))
+    assert settings.robots.margin_m == 0.2
+    assert settings.colors.light.margin_m == 0.3
+    assert (settings.blobs.scan_band, settings.blobs.max_flood_fraction) == (0.2, 0.4)
+    assert settings.synthetic.walking_people == 3
+    assert caplog.messages == [
+        f"robots.beyond_m is now called robots.margin_m ({venue}, line 2)",
+        f"colors.light.beyond_m is now called colors.light.margin_m ({venue}, line 4)",
+        f"blobs.strip is now called blobs.scan_band ({venue}, line 6)",
+        f"blobs.most_flooded is now called blobs.max_flood_fraction ({venue}, line 7)",
+        f"synthetic.feet is now called synthetic.walking_people ({venue}, line 9)",
+    ]
+    assert set(RENAMED.values()) <= keys_of(msgspec.to_builtins(settings))
+
+
+def test_a_former_key_beside_its_present_one_is_refused(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text("[robots]\nmargin_m = 0.1\nbeyond_m = 0.2\n")
+    with pytest.raises(SettingsError, match=r"line 3: robots.beyond_m; found: robots.margin_m as well"):
+        load_settings(str(venue))
+
+
+def test_names_in_a_file_are_relative_to_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, elsewhere = tmp_path / "venue", tmp_path / "elsewhere"
+    folder.mkdir()
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    shutil.copy(config_folder() / "patterns" / "ssl-standard.toml", folder / "mine.toml")
+    shutil.copy(config_folder() / "fields" / "ssl-2002.toml", folder / "field.toml")
+    (folder / "venue.toml").write_text(
+        'field_preset = "field.toml"\n[source]\nuri = "file:pictures"\n[robots]\npattern = "mine.toml"\n'
+        '[robots.blue]\npattern = "ssl-standard"\n'
+    )
+    settings = load_settings("../venue/venue.toml")
+    assert Path(settings.robots.pattern).samefile(folder / "mine.toml")
+    assert load_pattern(settings.robots.pattern).name == load_pattern("ssl-standard").name
+    assert settings.robots.blue is not None
+    assert settings.robots.blue.pattern == "ssl-standard"
+    assert Path(settings.source.uri.removeprefix("file:")) == elsewhere / "../venue/pictures"
+    with pytest.raises(SettingsError, match="elsewhere/field.toml; found: No such file"):
+        load_settings(options={"field_preset": str(elsewhere / "field.toml")})
+
+
+def test_samples_replace_the_ranges_of_files_below(tmp_path: Path) -> None:
+    venue, config = tmp_path / "venue.toml", tmp_path / "config.toml"
+    venue.write_text('[colors.samples]\norange = ["#ff8000"]\n')
+    settings = load_settings(str(venue))
+    assert list(settings.colors.classes) == ["yellow", "blue", "pink", "green"]
+    assert list(settings.colors.samples) == ["orange"]
+    config.write_text("[colors.classes]\norange = [{ hue_deg = [0, 40] }]\n")
+    settings = load_settings(str(venue), config)
+    assert list(settings.colors.classes) == ["orange"]
+    assert settings.colors.samples == {}
 
 
 def test_a_missing_file_is_named() -> None:

@@ -182,8 +182,8 @@ def open_file(path: Path, camera: CameraSetup, clock: Clock, *, paced: bool) -> 
         found = f"no picture of this size{_listed(skipped)}"
         accepted = f"{', '.join(sorted(PICTURES))} of {camera.size_px[0]}x{camera.size_px[1]} px"
         raise SourceError(f"folder {path}", found=found, accepted=accepted)
-    count = f"{len(played)} of {len(files)} files" if skipped else f"{len(played)} pictures"
-    return Pictures(played, f"{count} of {path.name}, looped{_listed(skipped)}", camera, keeper, skipped)
+    description = f"{len(played)} pictures of {path.name}, looped{_listed(skipped)}"
+    return Pictures(played, description, camera, keeper, skipped)
 
 
 def _reason_to_skip(file: Path, size_px: tuple[int, int]) -> str:

@@ -71,7 +71,7 @@ def _ball_colors(settings: Settings) -> Iterator[Violation]:
     wanted = [("ball.color", settings.ball.color), *(("ball.surrounding", name) for name in settings.ball.surrounding)]
     for key, name in wanted:
         if name not in classes:
-            known = f"one of {', '.join(classes)}" if classes else "there is none yet"
+            known = ", ".join(classes) or "there is none yet"
             measure = SAMPLE_COMMAND.format(name=repr(name) if " " in name else name)
             yield Violation(key, repr(name), f"a color class: {known}; to make it: {measure}")
 
