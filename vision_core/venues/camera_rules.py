@@ -32,8 +32,8 @@ MIN_RESIDUAL_PX, MAX_RESIDUAL = 4.0, 0.01
 MAX_HEIGHT_M = 100.0
 MAX_ASIDE = 5.0
 """Horizontal distance of a camera from the field's edge, as a multiple of its height: it looks at most 79 deg aside."""
-MIN_VISIBLE = 0.1
-"""Share of the field that one camera must see."""
+MIN_VISIBLE = {"homography": 0.1, "pinhole": 0.01}
+"""Share of the field that a camera must see: named points hold for what they span; a lens may be a test rig's."""
 MIN_ROBOT_PX = 4.0
 """Width of a robot in the picture: from here on down no marker can be read."""
 MAX_ANISOTROPY = 5.0
@@ -218,9 +218,10 @@ def _view(settings: Settings, camera: CameraModel, key: str) -> Iterator[Violati
         aside = (camera.pixel_from_field(grid + np.array([STEP_M, 0.0])) - pixels) / STEP_M
         ahead = (camera.pixel_from_field(grid + np.array([0.0, STEP_M])) - pixels) / STEP_M
         back = camera.field_from_pixel(pixels)
-    if visible.mean() < MIN_VISIBLE:
+    least = MIN_VISIBLE[settings.camera.model]
+    if visible.mean() < least:
         found = f"a camera that sees {visible.mean():.0%} of the field {settings.field.name!r}"
-        accepted = f"a pose and field of which at least {MIN_VISIBLE:.0%} lies in the picture of {size[0]}x{size[1]}"
+        accepted = f"a pose and field of which at least {least:.0%} lies in the picture of {size[0]}x{size[1]}"
         yield Violation(key, found, accepted)
         return
     off_m = float(np.hypot(*(back - grid)[visible].T).max())
