@@ -11,6 +11,7 @@ from app.commands import evaluate, patterns
 from app.commands.bench import bench
 from app.commands.client import CONTEXT, client
 from app.commands.colors import colors_app
+from app.commands.compile import compile_command
 from app.commands.config import config_app
 from app.commands.detect import detect
 from app.commands.restart import restart
@@ -29,6 +30,7 @@ app.add_typer(patterns.app, name="patterns")
 for command in (serve, tasks, top, restart, selftest, detect, evaluate.evaluate, bench):
     app.command()(command)
 app.command(context_settings=CONTEXT, add_help_option=False)(client)
+app.command("compile")(compile_command)
 console = Console(stderr=True, highlight=False)
 
 

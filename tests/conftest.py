@@ -1,6 +1,8 @@
 """Shared by all tests: compiled kernels are kept between runs, state is not."""
 
 import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,20 +19,14 @@ for name in [name for name in os.environ if name.startswith("PSLV_") and name !=
 @pytest.fixture(scope="session", autouse=True)
 def compiling(request: pytest.FixtureRequest) -> Iterator[None]:
     """Compiles the service's kernels beside the first tests of a long run; a short run compiles what it uses."""
-    from vision_core.native.kernel_cache import kernel_folder
-    from vision_core.startup.compile import STEPS, started
-    from vision_core.venues.loader import load_settings
-
-    folder = kernel_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    short = request.session.testscollected < LONG_RUN
-    processes = [] if short or list(folder.glob("complete-*")) else [started(step, load_settings()) for step in STEPS]
-    for process in processes:
-        os.setpriority(os.PRIO_PROCESS, process.pid, 19)
-    yield
-    for process in processes:
-        process.kill()
-        process.wait()
+    if request.session.testscollected < LONG_RUN:
+        yield
+        return
+    command = [sys.executable, "-m", "app.main", "compile"]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL) as compiler:
+        os.setpriority(os.PRIO_PROCESS, compiler.pid, 19)
+        yield
+        compiler.kill()
 
 
 @pytest.fixture(scope="session")

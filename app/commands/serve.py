@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import select
 import subprocess
 import sys
 import webbrowser
@@ -10,18 +9,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.status import Status
 
 from app import __version__
 from app.commands.options import ConfigFile, Venue
+from app.commands.progress import Progress, print_line
 from vision_core.errors import PslvError
 
 if TYPE_CHECKING:
     from vision_core.rtdb.infos import SelfTest
     from vision_core.settings.schema import Settings
-
-console = Console(stderr=True, highlight=False)
 
 
 def serve(
@@ -65,24 +61,25 @@ def serve(
 
 def _run(settings: "Settings") -> int:
     """The service until somebody stops it; its exit status."""
-    from app.launch.plan import plan_service, prepare_data_folder
+    from app.launch.plan import plan_service, prepare_kernel_folder
     from app.launch.resource_owners import lock_camera
     from app.supervisor.supervisor import Supervisor
     from vision_core.rtdb import records
     from vision_core.scheduling.selftest import in_words
 
-    prepare_data_folder()
+    if notice := prepare_kernel_folder():
+        print_line(notice)
     with contextlib.ExitStack() as held:
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
         plan, info = plan_service(settings, __version__)
         machine = _try_out(settings)
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
-        _tell(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
-        _tell(in_words(machine))
+        print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
+        print_line(in_words(machine))
         if os.environ.get("DISPLAY") and sys.stdout.isatty():
             webbrowser.open(info.http)
-        return Supervisor(plan, _tell, _Progress().show).run()
+        return Supervisor(plan, print_line, Progress().show).run()
 
 
 def _try_out(settings: "Settings") -> "SelfTest":
@@ -121,31 +118,3 @@ def _in_use_by(settings: "Settings") -> str:
     device = settings.source.device
     holder = device_holder(device_path(device)) if device is not None else None
     return f"; {holder} has it open" if holder else ""
-
-
-def _tell(line: str) -> None:
-    """News of the service. That nobody reads the log, or its disk is full, is no reason to stop it, nor to wait."""
-    with contextlib.suppress(OSError):
-        if select.select([], [sys.stderr], [], 0.0)[1]:
-            print(line, file=sys.stderr, flush=True)
-
-
-class _Progress:
-    """The compiler's progress: a spinner on a terminal, lines elsewhere."""
-
-    def __init__(self) -> None:
-        self._status: Status | None = None
-
-    def show(self, text: str) -> None:
-        """Show how far it is; the empty string ends it."""
-        if not text:
-            if self._status is not None:
-                self._status.stop()
-            self._status = None
-        elif not console.is_terminal:
-            _tell(f"preparing {text}")
-        elif self._status is None:
-            self._status = console.status(f"preparing {text}")
-            self._status.start()
-        else:
-            self._status.update(f"preparing {text}")

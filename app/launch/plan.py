@@ -14,7 +14,7 @@ from app.supervisor.plan import ChildPlan, ServicePlan
 from app.web import PROCESS as WEB_PROCESS
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.native.kernel_cache import kernel_folder
+from vision_core.native.kernel_folder import VARIABLE, choose_kernel_folder
 from vision_core.net.control import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
@@ -79,18 +79,19 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
     return plan, info
 
 
-def prepare_data_folder() -> None:
-    """Make the folder of state, down to the compiled kernels. Raises ServiceError when it cannot be written."""
-    folder = kernel_folder()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        writable = os.access(folder, os.W_OK)
-    except OSError as error:
-        raise ServiceError(f"data folder {folder}", found=str(error), accepted="PSLV_DATA_DIR names another") from None
-    if not writable:
-        raise ServiceError(
-            f"data folder {folder}", found="it cannot be written", accepted="PSLV_DATA_DIR names another"
-        )
+def prepare_kernel_folder() -> str:
+    """Choose the folder of compiled kernels for all processes; a line for the log when it is not in the data folder.
+
+    Nothing else of the service is kept there, so a data folder that cannot be used is no reason not to start. Raises
+    ServiceError when there is no other folder either: every process would compile for itself, for minutes.
+    """
+    folder, notice = choose_kernel_folder()
+    if folder is None:
+        raise ServiceError("a folder for compiled kernels", found=notice, accepted="PSLV_DATA_DIR names one of ours")
+    if notice:
+        os.environ[VARIABLE] = str(folder.path.parents[1])
+    folder.close()
+    return notice
 
 
 def _compiler() -> ChildPlan:

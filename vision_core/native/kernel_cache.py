@@ -1,49 +1,146 @@
-"""Where state and compiled kernels lie on disk.
+"""Compiled kernels on disk: one file for each kernel and signature, in place of numba's own cache.
 
-Kernels lie in ``PSLV_DATA_DIR/jit/<hash>``, where the hash covers the source of every kernel, numba's
-version and the processor: numba itself does not notice an edited callee in another file, and a cache
-from another machine may hold instructions that this one lacks.
+numba's cache keeps an index per function, which two processes that compile at the same time overwrite for each other,
+and it stops with a traceback at a damaged file or a full disk. Here each kernel has a file of its own with a checksum;
+a damaged one is deleted and compiled again, and a kernel that cannot be written is used from memory. One line says so.
 """
 
+import contextlib
+import functools
 import hashlib
-import os
-import platform
-from importlib.metadata import version
-from pathlib import Path
+import pickle
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
-PACKAGE = Path(__file__).parents[1]
+from numba.core import caching, compiler, serialize
 
+from vision_core.native.kernel_folder import DAMAGED, CompiledKernel, choose_kernel_folder, machine_code
+from vision_core.native.private_folder import DamagedFileError, PrivateFolder
 
-def data_folder() -> Path:
-    """Where the service keeps its state: ``PSLV_DATA_DIR``, or the platform's user data folder."""
-    if chosen := os.environ.get("PSLV_DATA_DIR"):
-        return Path(chosen).expanduser().absolute()
-    from platformdirs import user_data_path
-
-    return user_data_path("pslv", appauthor=False)
-
-
-def kernel_folder() -> Path:
-    """The folder of compiled kernels of this code on this machine."""
-    return data_folder() / "jit" / kernel_fingerprint()
+_encode: Any = serialize.dumps
+_rebuild: Any = compiler.CompileResult._rebuild
+NAME_CHARACTERS = 80
+NOT_IN_NAMES = str.maketrans("", "", "<>/")
 
 
-def kernel_fingerprint() -> str:
-    """Hash of every kernel source, Python, numba and the processor; 16 hex digits."""
-    digest = hashlib.sha256()
-    for source in sorted(PACKAGE.rglob("*.py")):
-        text = source.read_bytes()
-        if b"@kernel" in text:
-            digest.update(source.relative_to(PACKAGE).as_posix().encode())
-            digest.update(text)
-    for part in (version("numba"), platform.python_version(), _processor()):
-        digest.update(part.encode())
-    return digest.hexdigest()[:16]
+@dataclass(slots=True)
+class _Compilation:
+    """A kernel that is being compiled: its name and signature, when that began, and what its callees took [s]."""
+
+    what: tuple[str, Any]
+    began: float
+    nested_s: float = 0.0
 
 
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    return "\n".join(line for line in lines[:40] if line.startswith(("model name", "flags", "CPU part")))
+class KernelCache(caching._Cache):
+    """What numba asks before it compiles a kernel, and tells afterwards."""
+
+    _compiling: ClassVar[list[_Compilation]] = []
+    """Kernels that are being compiled now: a kernel, then one that it calls, and so on."""
+
+    def __init__(self, function: Callable[..., Any], variant: str) -> None:
+        """variant: "called" by Python or "nested" in another kernel; they are compiled apart."""
+        self._function = function
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        self._files = f"{self._name[-NAME_CHARACTERS:].translate(NOT_IN_NAMES)}-{variant}-"
+
+    @property
+    def cache_path(self) -> str | None:
+        folder = _folder()
+        return None if folder is None else str(folder.path)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled kernel for a signature; None: it must be compiled."""
+        target_context.refresh()
+        found = self._load(sig, target_context)
+        if found is None:
+            self._compiling.append(_Compilation((self._files, sig), time.process_time()))
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Write a kernel that was just compiled."""
+        seconds = self._seconds_of(sig)
+        folder = _folder()
+        if folder is None:
+            return
+        if data.library.has_dynamic_globals:
+            raise RuntimeError(f"kernel {self._name} uses an array too large to be a constant: pass it as an argument")
+        key = self._key(sig, data.codegen)
+        kernel = CompiledKernel(self._name, str(sig), seconds)
+        try:
+            folder.write(self._file_name(key), kernel.encode(_encode((key, data._reduce()))))
+        except OSError as error:
+            _say_once(f"{folder.path}: {error.strerror}: kernels are compiled in memory, by each process anew")
+
+    def enable(self) -> None:
+        """numba's switch for all caches; ours is always on."""
+
+    def disable(self) -> None:
+        """numba's switch for all caches; ours is always on."""
+
+    def flush(self) -> None:
+        """Forget what is on disk; numba asks for it when a kernel is to be compiled once more."""
+        if (folder := _folder()) is not None:
+            for name in folder.names():
+                if name.startswith(self._files):
+                    folder.delete(name)
+
+    def _load(self, sig: Any, target_context: Any) -> Any:
+        folder = _folder()
+        if folder is None:
+            return None
+        key = self._key(sig, target_context.codegen())
+        name = self._file_name(key)
+        try:
+            content = folder.read(name)
+            if content is None:
+                return None
+            stored_key, payload = pickle.loads(machine_code(content))  # noqa: S301 (of a folder that only we write)
+            if stored_key != key:
+                return None
+            return _rebuild(target_context, *payload)
+        except (DamagedFileError, pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, ImportError):
+            folder.delete(name)
+            _say_once(DAMAGED.format(folder.path))
+            return None
+
+    def _key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        """What a kernel was compiled from, beside the code that the folder stands for."""
+        closure = self._function.__closure__ or ()
+        cells = _encode(tuple(cell.cell_contents for cell in closure)) if closure else b""
+        code = hashlib.sha256(self._function.__code__.co_code + cells).hexdigest()
+        return sig, codegen.magic_tuple(), code
+
+    def _file_name(self, key: tuple[Any, ...]) -> str:
+        digest = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
+        return self._files + digest
+
+    def _seconds_of(self, sig: Any) -> float:
+        """How long a kernel took, without those that it calls; what was given up in between is left out."""
+        ended = time.process_time()
+        while self._compiling:
+            compilation = self._compiling.pop()
+            if compilation.what == (self._files, sig):
+                total = ended - compilation.began
+                if self._compiling:
+                    self._compiling[-1].nested_s += total
+                return total - compilation.nested_s
+        return 0.0
+
+
+@functools.cache
+def _folder() -> PrivateFolder | None:
+    """The folder of this process, chosen when the first kernel is loaded or compiled."""
+    folder, notice = choose_kernel_folder()
+    if notice:
+        _say_once(notice)
+    return folder
+
+
+@functools.cache
+def _say_once(line: str) -> None:
+    with contextlib.suppress(OSError):
+        print(f"pslv: {line}", file=sys.stderr, flush=True)

@@ -1,7 +1,7 @@
 """One door to numba: ``@kernel`` compiles a function without the interpreter and caches it on disk.
 
-numba reads the cache's place when it is imported, so this is the only module that imports it; what else is needed
-of it has a name here: ``intrinsic`` makes a function of instructions that Python has no word for.
+numba reads its options when it is imported, so only this package imports it; what else is needed of it has a name here:
+``intrinsic`` makes a function of instructions that Python has no word for.
 """
 
 import os
@@ -11,19 +11,21 @@ from typing import Any, ParamSpec, TypeVar, cast
 import numpy as np
 
 from vision_core.geometry import Array
-from vision_core.native.kernel_cache import kernel_folder
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
-os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_folder()))
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numba  # noqa: E402
 from numba import extending  # noqa: E402
 from numba.experimental import structref as _structref  # noqa: E402
 
+from vision_core.native.kernel_cache import KernelCache  # noqa: E402
+
 machine_types: Any = numba.types
+_compiler: Any = numba.njit
+_type_of: Any = numba.typeof
 structref: Any = _structref
 
 
@@ -34,18 +36,44 @@ def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function for the hot path: no Python objects inside, cached on disk."""
-    compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    return compiled  # type: ignore[no-any-return]
+    """Compile a function for the hot path: no Python objects inside, cached on disk.
+
+    What Python calls is compiled with the wrapper that takes Python's arguments apart; what other kernels call is
+    compiled without one, which takes much less time when the arguments are bundles of arrays. A constant argument is
+    a variable of its type to the callee: numba alone would compile the callee anew for every constant.
+    """
+    called: Any = _compiler(nogil=True, error_model="numpy")(function)
+    nested: Any = _compiler(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
+    called._cache, nested._cache = KernelCache(function, "called"), KernelCache(function, "nested")
+
+    def call_template(arguments: Any, keywords: Any) -> Any:
+        plain = {name: machine_types.unliteral(kind) for name, kind in keywords.items()}
+        return nested.get_call_template(tuple(machine_types.unliteral(kind) for kind in arguments), plain)
+
+    called.get_call_template = call_template  # numba asks for this when a kernel calls another
+    called.get_overload = nested.get_overload
+    return called  # type: ignore[no-any-return]
+
+
+def compile_for_kernels(function: Callable[..., Any], *arguments: Any) -> None:
+    """Compile a kernel for those that call it, without calling it. arguments: values, or types of numba."""
+    compiled: Any = function
+    kinds = (item if isinstance(item, numba.types.Type) else _type_of(item) for item in arguments)
+    compiled.get_call_template(tuple(kinds), {})
+
+
+def field_type(table: Array, field: str) -> Any:
+    """What a kernel sees of a field of a row of a table, for ``compile_for_kernels``."""
+    return _type_of(table).dtype.typeof(field)
 
 
 @structref.register
-class _KeptType(numba.types.StructRef):
-    """What kernels see of ``Kept``."""
+class _BoxedType(numba.types.StructRef):
+    """What kernels see of ``Boxed``."""
 
 
-class Kept(structref.StructRefProxy):  # type: ignore[misc]
-    """Arguments that stay the same from call to call, taken apart once by ``keep``.
+class Boxed(structref.StructRefProxy):  # type: ignore[misc]
+    """Arguments that stay the same from call to call, taken apart once by ``box``.
 
     A tuple of many arrays costs a fifth of a microsecond per array at every call; this costs as much as one of them.
     Kernels read it as ``value``; it holds the very arrays, not copies.
@@ -54,17 +82,17 @@ class Kept(structref.StructRefProxy):  # type: ignore[misc]
     value: Any
 
 
-structref.define_proxy(Kept, _KeptType, ["value"])
+structref.define_proxy(Boxed, _BoxedType, ["value"])
 
 
 @kernel
-def keep(value: Any) -> Kept:
-    """Take a tuple of arrays apart for all calls to come."""
-    return Kept(value)
+def box(value: Any) -> Boxed:
+    """Take a tuple of arrays apart once, for all calls that follow."""
+    return Boxed(value)
 
 
 def read_only(array: Array) -> Array:
-    """One memory layout for a kernel, which is compiled anew for every other: frames come read-only or not."""
+    """The array as C-contiguous and read-only, since a kernel is compiled anew for each memory layout."""
     view = np.ascontiguousarray(array).view()
     view.setflags(write=False)
     return cast("Array", view)
@@ -78,4 +106,4 @@ def external(name: str, signature: str) -> Any:
 
 
 carray: Any = getattr(numba, "carray")  # noqa: B009 (numba does not say that it exports it)
-"""An array over memory whose address the C library told."""
+"""An array over memory at an address that the C library returned."""

@@ -6,7 +6,7 @@ Slow, and so never on the hot path: for stills every time, in the service by a p
 import numpy as np
 
 from vision_core.color.prefilter import candidate_test
-from vision_core.native.kernels import keep
+from vision_core.native.kernels import box
 from vision_core.objects.ball.reasons import explain_balls
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.reasons import Scene, explain_robots
@@ -52,7 +52,7 @@ def scene_of(perception: Perception) -> Scene:
     blobs, seen = np.zeros_like(perception.blobs), SightingsTable()
 
     def look(finder: RobotFinder) -> tuple[int, Table]:
-        count = perceive_picture(perception.pixels, -1.0, keep(every._replace(robots=finder)), blobs, seen.whole)
+        count = perceive_picture(perception.pixels, -1.0, box(every._replace(robots=finder)), blobs, seen.whole)
         return count, seen.robots[: seen.counts[0]].copy()
 
     count, _ = look(every.robots)

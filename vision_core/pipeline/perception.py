@@ -19,7 +19,7 @@ from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
-from vision_core.native.kernels import Kept, keep, kernel, read_only
+from vision_core.native.kernels import Boxed, box, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.patterns.geometry import width_mm
@@ -64,12 +64,12 @@ class Eyes(NamedTuple):
 
 
 @kernel
-def perceive_picture(pixels: Bytes, gap_s: float, kept: Kept, blobs: Table, seen: Table) -> int:
+def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, seen: Table) -> int:
     """Fill SIGHTINGS, shape (1,), which still tells of the last frame, gap_s ago; returns how many blobs there are.
 
-    gap_s: negative for a picture that has nothing to do with the last one; kept: Eyes.
+    gap_s: negative for a picture that has nothing to do with the last one; boxed: Eyes.
     """
-    eyes: Eyes = kept.value
+    eyes: Eyes = boxed.value
     frame, watch = seen[0], eyes.watch
     follows = 0.0 <= gap_s <= MAX_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= watch[EXPECTED]
     windows = _windows(frame, gap_s, eyes) if follows else 0
@@ -132,7 +132,7 @@ class Perception:
         self.table = compile_color_table(settings.colors)
         self.lighting = Lighting(settings, camera)
         self.eyes = self._eyes()
-        self._kept = keep(self.eyes)
+        self._boxed = box(self.eyes)
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
         self.blob_count = 0
         """How many of the blobs are the last frame's."""
@@ -156,7 +156,7 @@ class Perception:
         """
         pixels = read_only(self.lighting.lit(frame.pixels, frame.grabbed))
         gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else -1.0
-        self.blob_count = perceive_picture(pixels, gap_s, self._kept, self.blobs, self._seen.whole)
+        self.blob_count = perceive_picture(pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
         self.raw, self.pixels, self._last = frame.pixels, pixels, frame.grabbed
         self._seen.stamp(frame.camera, frame.number, frame.grabbed, clock.now())
         return self._seen

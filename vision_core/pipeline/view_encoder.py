@@ -14,7 +14,7 @@ from vision_core.clock import Instant
 from vision_core.geometry import Bytes
 from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import Mirror
-from vision_core.native.kernels import Kept, keep, kernel
+from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.net.batch import Batch
 from vision_core.pipeline.see_kernels import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
 from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
@@ -58,12 +58,12 @@ class Desk(NamedTuple):
 
 
 @kernel
-def write_messages(world: Table, due: Bytes, kept: Kept) -> None:
+def write_messages(world: Table, due: Bytes, boxed: Boxed) -> None:
     """One frame: what all robots see of a world, as snapshots for the page and as datagrams of the requests due.
 
-    world: WORLD, shape (1,); due: 1 for the requests that want a datagram, shape (n,); kept: Desk.
+    world: WORLD, shape (1,); due: 1 for the requests that want a datagram, shape (n,); boxed: Desk.
     """
-    desk: Desk = kept.value
+    desk: Desk = boxed.value
     sight, requests, ink, starts, lengths = desk.sight, desk.requests, desk.ink, desk.starts, desk.lengths
     sight.rays[:] = DIRECTIONS
     for k in range(len(requests)):
@@ -140,7 +140,7 @@ class Messages:
         due = self._all if due is None else due
         if len(due) != len(clients):
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
-        write_messages(world.whole, due, self._kept)
+        write_messages(world.whole, due, self._boxed)
         return self._batch
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
@@ -176,7 +176,7 @@ class Messages:
         self.ink = Ink(hex_words, self._letters, text, words, np.zeros(MAX_RAYS, dtype=np.uint8), self._page_px)
         self._all = np.ones(count, dtype=np.uint8)
         self._batch = Batch(text, np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64))
-        self._kept = keep(
+        self._boxed = box(
             Desk(
                 int(self._boot), self.eyes.place, self.eyes.sight, self._page, self.views.whole,
                 self._requests, self.ink, self._batch.starts, self._batch.lengths,

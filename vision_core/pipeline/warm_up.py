@@ -1,4 +1,8 @@
-"""Uses every kernel once, so that it is compiled (or loaded) before a frame waits for it."""
+"""Uses every kernel of the service once, so that it is compiled (or loaded from disk) before a frame waits for it.
+
+As a process this module compiles: its first line of standard input is the settings as JSON, each further line is the
+name of a step; it answers with the name when the step is done. The steps are listed in ``startup.compile``.
+"""
 
 import random
 import sys
@@ -6,10 +10,14 @@ import sys
 import msgspec
 import numpy as np
 
+from vision_core.blobs.rows import segment_picture
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.models.camera_setup import CameraSetup
+from vision_core.native.kernels import compile_for_kernels, field_type, read_only
 from vision_core.net.batch import Batch, Lines
+from vision_core.objects.ball.finder import find_balls
+from vision_core.objects.robots.finder import find_robots
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import Messages
@@ -18,28 +26,37 @@ from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
-from vision_core.types.tables import SightingsTable, obstacle_table
+from vision_core.types.tables import SightingsTable, WorldTable, obstacle_table
 
 
 def perception(settings: Settings) -> None:
-    """An empty picture, and why nothing is seen in a meaningless one."""
+    """Perceive an empty picture, and explain why nothing is seen in noise."""
     setup = CameraSetup.from_settings(settings)
-    eyes = Perception(settings, setup)
-    eyes.warm_up()
+    stage = Perception(settings, setup)
+    stage.warm_up()
     noise = np.random.default_rng(1).integers(0, 255, setup.shape, dtype=np.uint8)
-    seen = eyes.perceive(ImageFrame(setup.name, 1, Instant(0), noise), ManualClock()).record()
-    reasons_of(eyes, seen)
+    seen = stage.perceive(ImageFrame(setup.name, 1, Instant(0), noise), ManualClock()).record()
+    reasons_of(stage, seen)
 
 
 def views(settings: Settings) -> None:
-    """A robot of each team and a ball, seen and encoded once."""
+    """Track a robot of each team and a ball, render what they see, encode it and send it to no client."""
+    encode(settings, track(settings))
+
+
+def track(settings: Settings) -> WorldTable:
+    """Track a robot of each team and a ball; returns the world."""
     ids = settings.match.blue_ids[0], settings.match.yellow_ids[0]
     robots = (
         RobotSighting(Team.BLUE, ids[0], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.001, 0.01),
         RobotSighting(Team.YELLOW, ids[1], 0.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.001, 0.01),
     )
     seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0, 0.001),), True)
-    world = Tracker(settings.tracks, settings.robots).update(SightingsTable.of(seen), obstacle_table(()))
+    return Tracker(settings.tracks, settings.robots).update(SightingsTable.of(seen), obstacle_table(()))
+
+
+def encode(settings: Settings, world: WorldTable) -> None:
+    """Render and encode the views of a world, and send them to no client."""
     messages, lines = Messages(settings, Instant(0)), Lines(Instant(0), random.Random(0))  # noqa: S311 (of no client)
     messages.write(world, ())
     lines.due(Instant(1))
@@ -47,19 +64,74 @@ def views(settings: Settings) -> None:
 
 
 def camera(settings: Settings) -> None:
-    """A simulated picture, where one is asked for."""
+    """Make a simulated picture, if the settings ask for a simulated camera."""
     if settings.source.uri != "synthetic":
         return
-    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
-    source.grab(CameraSetup.from_settings(settings).black_image())
+    setup = CameraSetup.from_settings(settings)
+    source = open_source(settings, setup, ManualClock(), paced=False)
+    source.grab(setup.black_image())
     source.close()
 
 
+def compile_blobs(settings: Settings) -> None:
+    """Compile the segmentation for ``perceive_picture``, and what judges the light."""
+    stage = Perception(settings)
+    eyes = stage.eyes
+    stage.lighting.warm_up()
+    compile_for_kernels(
+        segment_picture, _picture(settings), eyes.searched, eyes.candidates, eyes.windows, 0, False, eyes.segment,
+        stage.blobs,
+    )  # fmt: skip
+
+
+def compile_robots(settings: Settings) -> None:
+    """Compile the finder of robots for ``perceive_picture``."""
+    stage, seen = Perception(settings), SightingsTable()
+    eyes = stage.eyes
+    compile_for_kernels(
+        find_robots, stage.blobs, 0, _picture(settings), eyes.classes, eyes.camera, eyes.robots,
+        field_type(seen.whole, "robots"),
+    )  # fmt: skip
+
+
+def compile_balls(settings: Settings) -> None:
+    """Compile the finder of balls for ``perceive_picture``."""
+    stage, seen = Perception(settings), SightingsTable()
+    eyes = stage.eyes
+    compile_for_kernels(
+        find_balls, stage.blobs, 0, _picture(settings), eyes.classes, eyes.camera, field_type(seen.whole, "robots"), 0,
+        eyes.balls, field_type(seen.whole, "balls"),
+    )  # fmt: skip
+
+
+def _picture(settings: Settings) -> Bytes:
+    """A black picture as kernels take it."""
+    return read_only(np.zeros(_picture_shape(settings), dtype=np.uint8))
+
+
+def _picture_shape(settings: Settings) -> tuple[int, int, int]:
+    return settings.camera.height_px, settings.camera.width_px, 3
+
+
+COMPILERS = {
+    "robots": compile_robots,
+    "blobs": compile_blobs,
+    "balls": compile_balls,
+    "perception": perception,
+    "tracks": track,
+    "views": lambda settings: encode(settings, WorldTable()),
+    "camera": camera,
+}
+"""What each step of ``startup.compile`` does."""
+
+
 def main() -> None:
-    """Compile one step; its name and the compiler's process id are the arguments, the settings come as JSON."""
-    end_with(int(sys.argv[2]))
-    settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
-    {"perception": perception, "views": views, "camera": camera}[sys.argv[1]](settings)
+    """Compile the steps that standard input names. The argument is the process id of the parent."""
+    end_with(int(sys.argv[1]))
+    settings = msgspec.json.decode(sys.stdin.buffer.readline(), type=Settings)
+    for line in sys.stdin:
+        COMPILERS[line.strip()](settings)
+        print(line.strip(), flush=True)
 
 
 if __name__ == "__main__":

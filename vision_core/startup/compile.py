@@ -1,29 +1,60 @@
-"""Process that runs once, before the tasks: compiles every kernel into the cache, telling how far it is.
+"""Process that runs once, before the tasks: compiles every kernel of the service, and prints how far it is.
 
-Each step is compiled by a process of its own, all at the same time. Each line on standard output is the progress so
-far; the supervisor passes it on. When the cache is already complete there is nothing to do, and nothing heavy is
-imported.
+Worker processes, one for each core, compile step after step; the step that the others wait for longest comes first.
+Each line on standard output is the progress so far; the supervisor passes it on. When everything was compiled before,
+there is nothing to do, and nothing heavy is imported.
 """
 
+import contextlib
 import os
-import shutil
+import select
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import msgspec
 
 from vision_core.clock import MonotonicClock
-from vision_core.native.kernel_cache import kernel_folder
+from vision_core.errors import ServiceError
+from vision_core.native.kernel_folder import (
+    DAMAGED,
+    choose_kernel_folder,
+    compiled_kernels,
+    delete_damaged,
+    delete_old_versions,
+    is_complete,
+    kernel_files,
+    mark_complete,
+)
+from vision_core.native.private_folder import PrivateFolder
 from vision_core.rtdb import records
 from vision_core.scheduling.attachment import attach
 from vision_core.settings.schema import Settings
 
-VERSIONS_KEPT = 5
-"""Folders of kernels of other versions of the code, the newest ones."""
-STEPS = ("perception", "views", "camera")
-"""What there is to compile: functions of ``warm_up``."""
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A part of what there is to compile; ``pipeline.warm_up`` has a function for each."""
+
+    name: str
+    after: tuple[str, ...] = ()
+    """Steps whose kernels it calls."""
+
+
+STEPS = (
+    Step("robots"),
+    Step("views"),
+    Step("blobs"),
+    Step("balls"),
+    Step("tracks"),
+    Step("perception", after=("robots", "blobs", "balls")),
+    Step("camera"),
+)
+"""In the order in which they are begun: steps that others wait for, then the longest."""
 LOOK_EVERY_S = 0.2
+NAMED_IN_SUMMARY = 3
 
 
 def main() -> None:
@@ -31,50 +62,136 @@ def main() -> None:
     attachment = attach()
     clock = MonotonicClock()
     settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
-    folder = kernel_folder()
-    complete = folder / f"complete-{settings.source.uri.partition(':')[0]}"
-    if complete.exists():
-        return
-    running = {step: started(step, settings) for step in STEPS}
-    told = ""
-    while running and not attachment.stopping:
+
+    def go_on() -> bool:
         attachment.heartbeat(clock.now())
-        ended = [step for step, process in running.items() if process.poll() is not None]
-        if failed := [step for step in ended if running[step].returncode]:
-            break
-        running = {step: process for step, process in running.items() if step not in ended}
-        progress = f"{len(STEPS) - len(running)} of {len(STEPS)} parts are compiled; left: {', '.join(running)}"
-        if running and progress != told:
-            print(told := progress, flush=True)
-        time.sleep(LOOK_EVERY_S if running else 0.0)
-    else:
-        failed = []
-    for process in running.values():
-        process.kill()
-    if failed:
-        sys.exit(f"compiling {failed[0]} failed")
-    if not running:
-        complete.touch()
-        _forget_other_versions()
+        return not attachment.stopping
+
+    try:
+        compile_kernels(settings, show=lambda line: print(line, flush=True), log=_log, go_on=go_on)
+    except ServiceError as error:
+        sys.exit(str(error))
 
 
-def started(step: str, settings: Settings) -> subprocess.Popen[bytes]:
-    """A process that compiles a step, and ends with this one; its settings come through its standard input."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "vision_core.pipeline.warm_up", step, str(os.getpid())],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-    )
-    assert process.stdin is not None
-    process.stdin.write(msgspec.json.encode(settings))
-    process.stdin.close()
-    return process
+def compile_kernels(
+    settings: Settings, *, show: Callable[[str], None], log: Callable[[str], None], go_on: Callable[[], bool]
+) -> None:
+    """Compile every kernel that a start with these settings needs and that is not on disk yet.
+
+    show: gets the progress whenever it changes; log: gets each line for the log; go_on: is asked several times a
+    second, and False ends the work. Raises ServiceError when a step fails.
+    """
+    began = time.monotonic()
+    folder, notice = choose_kernel_folder()
+    if notice:
+        log(notice)
+    kind = settings.source.uri.partition(":")[0]
+    if folder is not None and is_complete(folder, kind):
+        show(f"{len(STEPS)} of {len(STEPS)} parts were compiled before")
+        return
+    before = set[str]()
+    if folder is not None:
+        if delete_damaged(folder):
+            log(DAMAGED.format(folder.path))
+        before = set(kernel_files(folder))
+    shown = ""
+    for progress in _progress(settings):
+        if progress != shown:
+            show(shown := progress)
+        if not go_on():
+            return
+    log(_summary(folder, before, time.monotonic() - began))
+    if folder is not None:
+        with contextlib.suppress(OSError):  # a full disk: the next start compiles what is missing
+            mark_complete(folder, kind)
+        delete_old_versions(folder)
 
 
-def _forget_other_versions() -> None:
-    versions = sorted(kernel_folder().parent.iterdir(), key=lambda path: path.stat().st_mtime, reverse=True)
-    for old in versions[VERSIONS_KEPT:]:
-        shutil.rmtree(old, ignore_errors=True)
+def _progress(settings: Settings) -> Iterator[str]:
+    """Compile all steps; yields how far it is, several times a second. Raises ServiceError when a step fails."""
+    left, done = list(STEPS), set[str]()
+    workers = [_Worker(settings) for _ in range(min(len(os.sched_getaffinity(0)), len(STEPS)))]
+    try:
+        while len(done) < len(STEPS):
+            for worker in workers:
+                ready = next((step for step in left if done.issuperset(step.after)), None)
+                if ready is not None and not worker.step:
+                    left.remove(ready)
+                    worker.begin(ready.name)
+            busy = [worker for worker in workers if worker.step]
+            yield f"{len(done)} of {len(STEPS)} parts are compiled; now: {', '.join(worker.step for worker in busy)}"
+            for worker in select.select(busy, [], [], LOOK_EVERY_S)[0]:
+                done.add(worker.finish())
+        yield f"{len(STEPS)} of {len(STEPS)} parts are compiled"
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+class _Worker:
+    """A process that compiles one step after another, and ends with this one."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.step = ""
+        """What it compiles now; empty: nothing."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "vision_core.pipeline.warm_up", str(os.getpid())],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            bufsize=0,
+        )
+        self._write(msgspec.json.encode(settings))
+
+    def fileno(self) -> int:
+        """Readable when the step is done, or the process has ended."""
+        assert self._process.stdout is not None
+        return self._process.stdout.fileno()
+
+    def begin(self, step: str) -> None:
+        """Compile a step."""
+        self.step = step
+        self._write(step.encode())
+
+    def finish(self) -> str:
+        """The step that is done. Raises ServiceError when the process ended instead."""
+        assert self._process.stdout is not None
+        step, self.step = self.step, ""
+        if self._process.stdout.readline().decode().strip() != step:
+            self._process.kill()
+            status = self._process.wait()
+            raise ServiceError(f"compiling {step}", found=f"exit status {status}", accepted="see the lines before")
+        return step
+
+    def end(self) -> None:
+        """End the process, whatever it does."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None
+            pipe.close()
+
+    def _write(self, line: bytes) -> None:
+        """Send a line; that nobody reads it any more is seen when the step is to be finished."""
+        assert self._process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.write(line + b"\n")
+
+
+def _summary(folder: PrivateFolder | None, before: set[str], seconds: float) -> str:
+    """What was compiled, in one line."""
+    if folder is None:
+        return f"compiled all kernels in {seconds:.0f} s, and kept none"
+    fresh = compiled_kernels(folder, [name for name in kernel_files(folder) if name not in before])
+    longest = sorted(fresh, key=lambda kernel: -kernel.seconds)[:NAMED_IN_SUMMARY]
+    named = ", ".join(f"{kernel.kernel.rpartition('.')[2]} {kernel.seconds:.1f} s" for kernel in longest)
+    work_s = sum(kernel.seconds for kernel in fresh)
+    return f"compiled {len(fresh)} kernels in {seconds:.0f} s ({work_s:.0f} s of processor time); the longest: {named}"
+
+
+def _log(line: str) -> None:
+    """A line for the log. That its disk is full, or nobody reads it, is no reason to stop."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":
