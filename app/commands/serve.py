@@ -67,8 +67,8 @@ def _run(settings: "Settings") -> int:
     from vision_core.rtdb import records
     from vision_core.scheduling.selftest import in_words
 
-    if notice := prepare_kernel_folder():
-        print_line(notice)
+    for line in prepare_kernel_folder():
+        print_line(line)
     with contextlib.ExitStack() as held:
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))

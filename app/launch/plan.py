@@ -14,7 +14,7 @@ from app.supervisor.plan import ChildPlan, ServicePlan
 from app.web import PROCESS as WEB_PROCESS
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.native.kernel_folder import VARIABLE, choose_kernel_folder
+from vision_core.native.kernel_folder import DAMAGED, VARIABLE, choose_kernel_folder, delete_damaged
 from vision_core.net.control import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
@@ -79,19 +79,22 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
     return plan, info
 
 
-def prepare_kernel_folder() -> str:
-    """Choose the folder of compiled kernels for all processes; a line for the log when it is not in the data folder.
+def prepare_kernel_folder() -> tuple[str, ...]:
+    """Choose the folder of compiled kernels for all processes, and delete what is damaged there; lines for the log.
 
-    Nothing else of the service is kept there, so a data folder that cannot be used is no reason not to start. Raises
-    ServiceError when there is no other folder either: every process would compile for itself, for minutes.
+    Nothing else of the service is kept in the data folder, so one that cannot be used does not prevent the start.
+    Raises ServiceError when there is no other folder either: every process would compile for itself, for minutes.
     """
     folder, notice = choose_kernel_folder()
     if folder is None:
-        raise ServiceError("a folder for compiled kernels", found=notice, accepted="PSLV_DATA_DIR names one of ours")
+        raise ServiceError(
+            "a folder for compiled kernels", found=notice, accepted="PSLV_DATA_DIR names one that is ours"
+        )
     if notice:
         os.environ[VARIABLE] = str(folder.path.parents[1])
+    damaged = DAMAGED.format(folder.path) if delete_damaged(folder) else ""
     folder.close()
-    return notice
+    return tuple(line for line in (notice, damaged) if line)
 
 
 def _compiler() -> ChildPlan:

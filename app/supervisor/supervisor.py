@@ -143,6 +143,8 @@ class Supervisor:
     def _check(self, child: Child, now: int) -> None:
         """Note the end or the first heartbeat of a process, and kill it when it is hung."""
         if child.has_ended():
+            if child.process is not None and child.process.stdout is not None:
+                self._read_progress(child.process.stdout.fileno())  # its last line, written just before it ended
             child.reap(now)
             if child.plan.once:
                 self._compiled(child, now)

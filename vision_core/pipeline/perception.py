@@ -5,6 +5,7 @@ rolls over the picture for what is new. When fewer robots are seen than of late,
 searched at once, in the same call.
 """
 
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -132,7 +133,6 @@ class Perception:
         self.table = compile_color_table(settings.colors)
         self.lighting = Lighting(settings, camera)
         self.eyes = self._eyes()
-        self._boxed = box(self.eyes)
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
         self.blob_count = 0
         """How many of the blobs are the last frame's."""
@@ -142,6 +142,11 @@ class Perception:
         """The last frame in the venue's light."""
         self._seen = SightingsTable()
         self._last = Instant(0)
+
+    @cached_property
+    def _boxed(self) -> Boxed:
+        """``eyes`` as the kernels take it; settings can be checked without compiling this."""
+        return box(self.eyes)
 
     def warm_up(self) -> None:
         """Load or compile the kernels, so that no frame waits for them."""

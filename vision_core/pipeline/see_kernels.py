@@ -56,10 +56,10 @@ class Ink(NamedTuple):
 
 
 @kernel
-def mirror_px(distances_m: Floats, every: int, a: float, b: float, c: float, d: float, px: Bytes) -> None:
-    """int(f^-1(r)) of every so many-th ray (equation 1), 255 for nothing: ``protocol.see.edge_px``. px is filled."""
+def mirror_px(distances_m: Floats, a: float, b: float, c: float, d: float, px: Bytes) -> None:
+    """int(f^-1(r)) of each distance r (equation 1), 255 for nothing: ``protocol.see.edge_px``. px is filled."""
     for i in range(len(px)):
-        far = distances_m[i * every]
+        far = distances_m[i]
         mm = min(far, FARTHEST_M) * MM_PER_M
         pixels = np.int32(d * mm / (a + b * math.sqrt(c + d * (mm * mm))))
         px[i] = NOTHING_PX if far == math.inf else pixels

@@ -83,7 +83,7 @@ def write_messages(world: Table, due: Bytes, boxed: Boxed) -> None:
         if rays == DIRECTIONS and not request.own_mirror:
             px = ink.page_px[request.viewer]
         else:
-            mirror_px(sight.distances_m[seen.start :], 1, request.a, request.b, request.c, request.d, px)
+            mirror_px(sight.distances_m[seen.start :], request.a, request.b, request.c, request.d, px)
         starts[k], lengths[k] = write_see(world[0].at - desk.boot, seen, request, rays, kinds, px, k, ink)
 
 
@@ -102,14 +102,21 @@ def _write_views(world: Table, sight: Sight, page: Table, page_px: Bytes, views:
         view.ball_px, view.ball_direction_deg, view.ball_size_deg = ball_words(seen, request)
         finer = sight.rays[viewer] // DIRECTIONS
         distances, kinds, px = sight.distances_m[seen.start :], sight.kinds[seen.start :], page_px[viewer]
-        if finer == 1:  # said as a constant it is compiled for neighbors in memory: three times as fast
-            mirror_px(distances, 1, request.a, request.b, request.c, request.d, px)
-            view.kinds[:] = kinds[:DIRECTIONS]
+        if finer == 1:  # compiled for neighbors in memory, which is three times as fast
+            mirror_px(distances, request.a, request.b, request.c, request.d, px)
+            _copy(kinds, view.kinds)
         else:
-            mirror_px(distances, finer, request.a, request.b, request.c, request.d, px)
-            view.kinds[:] = kinds[: finer * DIRECTIONS : finer]
-        view.px[:] = px
+            mirror_px(distances[::finer], request.a, request.b, request.c, request.d, px)
+            _copy(kinds[::finer], view.kinds)
+        _copy(px, view.px)
     views[0].frame_number, views[0].at, views[0].count = world[0].frame_number, world[0].at, count
+
+
+@kernel
+def _copy(source: Bytes, target: Bytes) -> None:
+    """Fill an array from the start of another. A slice would compile numba's message for slices of other lengths."""
+    for index in range(len(target)):
+        target[index] = source[index]
 
 
 class Messages:

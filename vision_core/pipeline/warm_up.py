@@ -13,6 +13,7 @@ import numpy as np
 from vision_core.blobs.rows import segment_picture
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
+from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import compile_for_kernels, field_type, read_only
 from vision_core.net.batch import Batch, Lines
@@ -26,7 +27,7 @@ from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
-from vision_core.types.tables import SightingsTable, WorldTable, obstacle_table
+from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
 
 
 def perception(settings: Settings) -> None:
@@ -75,42 +76,34 @@ def camera(settings: Settings) -> None:
 
 def compile_blobs(settings: Settings) -> None:
     """Compile the segmentation for ``perceive_picture``, and what judges the light."""
-    stage = Perception(settings)
-    eyes = stage.eyes
+    stage, picture, _ = _prepared(settings)
     stage.lighting.warm_up()
+    eyes = stage.eyes
     compile_for_kernels(
-        segment_picture, _picture(settings), eyes.searched, eyes.candidates, eyes.windows, 0, False, eyes.segment,
-        stage.blobs,
-    )  # fmt: skip
+        segment_picture, picture, eyes.searched, eyes.candidates, eyes.windows, 0, False, eyes.segment, stage.blobs
+    )
 
 
 def compile_robots(settings: Settings) -> None:
     """Compile the finder of robots for ``perceive_picture``."""
-    stage, seen = Perception(settings), SightingsTable()
+    stage, picture, seen = _prepared(settings)
     eyes = stage.eyes
     compile_for_kernels(
-        find_robots, stage.blobs, 0, _picture(settings), eyes.classes, eyes.camera, eyes.robots,
-        field_type(seen.whole, "robots"),
-    )  # fmt: skip
+        find_robots, stage.blobs, 0, picture, eyes.classes, eyes.camera, eyes.robots, field_type(seen, "robots")
+    )
 
 
 def compile_balls(settings: Settings) -> None:
     """Compile the finder of balls for ``perceive_picture``."""
-    stage, seen = Perception(settings), SightingsTable()
-    eyes = stage.eyes
-    compile_for_kernels(
-        find_balls, stage.blobs, 0, _picture(settings), eyes.classes, eyes.camera, field_type(seen.whole, "robots"), 0,
-        eyes.balls, field_type(seen.whole, "balls"),
-    )  # fmt: skip
+    stage, picture, seen = _prepared(settings)
+    eyes, robots, balls = stage.eyes, field_type(seen, "robots"), field_type(seen, "balls")
+    compile_for_kernels(find_balls, stage.blobs, 0, picture, eyes.classes, eyes.camera, robots, 0, eyes.balls, balls)
 
 
-def _picture(settings: Settings) -> Bytes:
-    """A black picture as kernels take it."""
-    return read_only(np.zeros(_picture_shape(settings), dtype=np.uint8))
-
-
-def _picture_shape(settings: Settings) -> tuple[int, int, int]:
-    return settings.camera.height_px, settings.camera.width_px, 3
+def _prepared(settings: Settings) -> tuple[Perception, Bytes, Table]:
+    """Perception, a picture as its kernels take it, and a table of sightings."""
+    setup = CameraSetup.from_settings(settings)
+    return Perception(settings, setup), read_only(setup.black_image()), SightingsTable().whole
 
 
 COMPILERS = {

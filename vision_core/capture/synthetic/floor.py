@@ -94,7 +94,8 @@ def color_floor(
             _shade(shade, venue, x, y)
             size = FOOTPRINT_PX * (abs(ux) + abs(uy) + abs(vx) + abs(vy))
             if _is_plain_carpet(venue, x, y, size, lines, arcs):
-                image[v, u] = colors[CARPET] * shade[CARPET]
+                for channel in range(3):
+                    image[v, u, channel] = colors[CARPET, channel] * shade[CARPET]
                 continue
             image[v, u] = 0.0
             near = _gather(nearby, things, x, y, size)
@@ -123,7 +124,8 @@ def _gather(nearby: Floats, things: Floats, x: float, y: float, size: float) -> 
     for i in range(len(things)):
         reach = things[i, 5] + things[i, 6] + size
         if (x - things[i, 1]) ** 2 + (y - things[i, 2]) ** 2 < reach * reach:
-            nearby[count] = things[i]
+            for column in range(things.shape[1]):
+                nearby[count, column] = things[i, column]
             count += 1
     return count
 
@@ -135,7 +137,8 @@ def _color_ray(
 ) -> None:  # fmt: skip
     """The color of the ray that would meet the floor at x, y."""
     material = _material(venue, eye, x, y, lines, arcs)
-    color[:] = colors[material] * shade[material]
+    for channel in range(3):
+        color[channel] = colors[material, channel] * shade[material]
     if material != WOOD:
         return
     for i in range(len(things)):
@@ -147,7 +150,8 @@ def _color_ray(
         else:
             inside = abs(along) <= things[i, 5] and abs(across) <= things[i, 6]
         if inside:
-            color[:] = things[i, 7:]
+            for channel in range(3):
+                color[channel] = things[i, 7 + channel]
 
 
 @kernel
