@@ -73,7 +73,7 @@ class KernelCache(caching._Cache):
         try:
             folder.write(self._file_name(key), kernel.encode(_encode((key, data._reduce()))))
         except OSError as error:
-            _say_once(f"{folder.path}: {error.strerror}: kernels are compiled in memory, by each process anew")
+            _log_once(f"{folder.path}: {error.strerror}: kernels are compiled in memory, by each process anew")
 
     def enable(self) -> None:
         """numba's switch for all caches; ours is always on."""
@@ -104,7 +104,7 @@ class KernelCache(caching._Cache):
             return _rebuild(target_context, *payload)
         except (DamagedFileError, pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, ImportError):
             folder.delete(name)
-            _say_once(DAMAGED.format(folder.path))
+            _log_once(DAMAGED.format(folder.path))
             return None
 
     def _key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
@@ -136,11 +136,11 @@ def _folder() -> PrivateFolder | None:
     """The folder of this process, chosen when the first kernel is loaded or compiled."""
     folder, notice = choose_kernel_folder()
     if notice:
-        _say_once(notice)
+        _log_once(notice)
     return folder
 
 
 @functools.cache
-def _say_once(line: str) -> None:
+def _log_once(line: str) -> None:
     with contextlib.suppress(OSError):
         print(f"pslv: {line}", file=sys.stderr, flush=True)

@@ -54,7 +54,7 @@ def nearest_edges(
     kinds[:] = 0
     for k in range(seen):
         x1, y1, x2, y2 = segments_m[k, 0] - x, segments_m[k, 1] - y, segments_m[k, 2] - x, segments_m[k, 3] - y
-        splat_segment(x1, y1, x2, y2, np.uint8(segment_kinds[k]), heading_rad, ux, uy, distances_m, kinds)
+        splat_segment(x1, y1, x2, y2, int(segment_kinds[k]), heading_rad, ux, uy, distances_m, kinds)
     for k in range(body_count):
         if k == own or not math.isfinite(bodies[k].x_m + bodies[k].y_m + bodies[k].radius_m):
             continue
@@ -68,7 +68,7 @@ def nearest_edges(
                         y1 - y,
                         x2 - x,
                         y2 - y,
-                        np.uint8(bodies[k].kind),
+                        int(np.uint8(bodies[k].kind)),
                         heading_rad,
                         ux,
                         uy,
@@ -78,7 +78,7 @@ def nearest_edges(
                 x1, y1 = x2, y2
         else:
             splat_circle(
-                bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m, np.uint8(bodies[k].kind),
+                bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m, int(np.uint8(bodies[k].kind)),
                 heading_rad, ux, uy, distances_m, kinds,
             )  # fmt: skip
     for i in range(len(distances_m)):
