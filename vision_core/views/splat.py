@@ -58,27 +58,17 @@ def nearest_edges(
     for k in range(body_count):
         if k == own or not math.isfinite(bodies[k].x_m + bodies[k].y_m + bodies[k].radius_m):
             continue
+        kind = int(np.uint8(bodies[k].kind))  # of the type of a segment's kind: ``splat_segment`` is compiled once
         if bodies[k].square:
             x1, y1 = corner(bodies[k], 0)
             for side in range(1, 5):
                 x2, y2 = corner(bodies[k], side)
                 if (x1 - x) * (y2 - y) < (x2 - x) * (y1 - y):  # its outer face is turned to us
-                    splat_segment(
-                        x1 - x,
-                        y1 - y,
-                        x2 - x,
-                        y2 - y,
-                        int(np.uint8(bodies[k].kind)),
-                        heading_rad,
-                        ux,
-                        uy,
-                        distances_m,
-                        kinds,
-                    )
+                    splat_segment(x1 - x, y1 - y, x2 - x, y2 - y, kind, heading_rad, ux, uy, distances_m, kinds)
                 x1, y1 = x2, y2
         else:
             splat_circle(
-                bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m, int(np.uint8(bodies[k].kind)),
+                bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m, kind,
                 heading_rad, ux, uy, distances_m, kinds,
             )  # fmt: skip
     for i in range(len(distances_m)):
