@@ -8,7 +8,6 @@ from rich.table import Table
 
 from app.commands.options import ConfigFile, Venue
 from app.commands.progress import Progress, print_line
-from vision_core.errors import ServiceError
 
 if TYPE_CHECKING:
     from vision_core.native.kernel_folder import CompiledKernel
@@ -34,8 +33,7 @@ def compile_command(
     if not report:
         return
     folder, _ = choose_kernel_folder()
-    if folder is None:
-        raise ServiceError("a report of compiled kernels", found="no folder to keep them in")
+    assert folder is not None  # compile_kernels has just used it
     typer.echo(f"compiled kernels in {folder.path}")
     Console(highlight=False).print(_table(compiled_kernels(folder, kernel_files(folder))))
 

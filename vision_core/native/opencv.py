@@ -1,5 +1,7 @@
-"""The one door to OpenCV, typed. Its own return types fail mypy strict, and its pools would inherit
-real-time priority, so they are switched off here, once."""
+"""The one door to OpenCV, with types that mypy accepts.
+
+OpenCV's threads are switched off: they would inherit the real-time priority of the process that uses them.
+"""
 
 import os
 from dataclasses import dataclass
@@ -7,8 +9,8 @@ from pathlib import Path
 from typing import TypeAlias, cast
 
 CAMERA_PATIENCE_S = 2
-"""A camera that gives no image for so long is taken for gone. OpenCV reads it when it is loaded; its own 10 s are
-longer than the supervisor's patience with a process that does not answer."""
+"""A camera that delivers no image for this long counts as disconnected [s]. OpenCV reads the variable when it is
+loaded; its default of 10 s is longer than a process may be silent before the supervisor ends it."""
 os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(CAMERA_PATIENCE_S))
 
 import cv2  # noqa: E402
@@ -40,7 +42,7 @@ MAX_HZ = 1000.0
 VIDEOS = "a video that FFmpeg can decode: MP4, AVI, MKV, ..."
 YUYV = cv2.VideoWriter.fourcc(*"YUYV")
 CAMERA_BUFFERS = 2
-"""One fills while the other is read: more only make late frames later."""
+"""Images that the driver buffers: one is filled while the other is read. More of them add delay and nothing else."""
 
 
 def read_picture(path: Path, size_px: tuple[int, int] | None = None) -> Bytes:
@@ -101,17 +103,17 @@ def write_yuyv(image: Bytes, pixels: Bytes) -> None:
 def write_picture(path: Path, image: Bytes) -> None:
     """Save a picture in the format that the file's ending names. Raises SourceError."""
     try:
-        fine = cv2.imwrite(str(path), image)
+        is_written = cv2.imwrite(str(path), image)
     except cv2.error as error:
         raise SourceError(f"picture {path}", found=str(error), accepted="a name that ends with .png or .jpg") from None
-    if not fine:
+    if not is_written:
         raise SourceError(f"picture {path}", found="it cannot be written", accepted="a folder that may be written")
 
 
 def encode_jpeg(image: Bytes, quality: int = 80) -> bytes:
     """A picture as the bytes of a JPEG file."""
-    fine, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
-    assert fine
+    is_encoded, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    assert is_encoded
     return data.tobytes()
 
 
@@ -126,10 +128,10 @@ def draw_line(image: Bytes, start_px: Point, end_px: Point, bgr: Color, thicknes
 
 
 def draw_text(image: Bytes, text: str, left_bottom_px: Point, bgr: Color, scale: float = 0.5) -> None:
-    """Write one line of ASCII into a picture, dark rimmed, readable on any ground."""
+    """Write one line of ASCII into a picture, white or colored with a dark outline, readable on any background."""
     x, y = round(left_bottom_px[0]), round(left_bottom_px[1])
     rim = [(x + right, y + down, (0, 0, 0)) for right in (-1, 0, 1) for down in (-1, 0, 1)]
-    for left, bottom, color in (*rim, (x, y, bgr)):  # a thicker pen would make longer words
+    for left, bottom, color in (*rim, (x, y, bgr)):  # a thicker stroke would widen the letters
         cv2.putText(image, text, (left, bottom), cv2.FONT_HERSHEY_SIMPLEX, scale, color, 1, cv2.LINE_AA)
 
 
@@ -185,12 +187,12 @@ class Video:
         self.height_px = round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
         rate_hz = capture.get(cv2.CAP_PROP_FPS)
         self.rate_hz = rate_hz if 0.0 < rate_hz <= MAX_HZ else 0.0
-        """Frames per second as the file or driver says; 0: it does not."""
+        """Frames per second according to the file or driver; 0: unknown."""
 
     def read(self, pixels: Bytes) -> bool:
         """Wait for the next frame and write it into pixels, shape (height, width, 3); False: none, or another size."""
-        fine, image = self._capture.read()
-        if not fine or image.shape[:2] != pixels.shape[:2]:
+        is_read, image = self._capture.read()
+        if not is_read or image.shape[:2] != pixels.shape[:2]:
             return False
         if image.shape[2:] == (2,):
             write_yuyv(cast("Bytes", image), pixels)
@@ -205,7 +207,7 @@ class Video:
         return bool(self._capture.grab())
 
     def position_ms(self) -> float:
-        """Where the last frame lies in a video, or the driver's stamp of a V4L2 camera's buffer [ms]."""
+        """Position of the last frame in a video, or the driver's timestamp of a V4L2 camera's buffer [ms]."""
         return float(self._capture.get(cv2.CAP_PROP_POS_MSEC))
 
     def close(self) -> None:
@@ -223,11 +225,11 @@ def open_video(path: Path) -> Video:
 
 
 def open_camera(device: str, width_px: int, height_px: int, rate_hz: float) -> Video:
-    """A V4L2 camera by its number or path, asked for a size and rate: look at what it gives. Raises SourceError."""
+    """Open a V4L2 camera by number or path and ask for a size and rate; it may deliver others. Raises SourceError."""
     capture = cv2.VideoCapture(f"/dev/video{device}" if device.isdecimal() else device, cv2.CAP_V4L2)
     if not capture.isOpened():
         present = ", ".join(sorted(str(path) for path in Path("/dev").glob("video*")))
-        found = "no such device, or one that is in use or no camera"
+        found = "no such device, or it is in use, or it is no camera"
         raise SourceError(f"camera {device}", found=found, accepted=present or "none: this machine has no /dev/video*")
     for key, value in (
         (cv2.CAP_PROP_FRAME_WIDTH, width_px),

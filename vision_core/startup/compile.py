@@ -53,6 +53,7 @@ STEPS = (
     Step("camera"),
 )
 """In the order in which they are begun: steps that others wait for, then the longest."""
+WORKER = ("-m", "vision_core.pipeline.warm_up")
 LOOK_EVERY_S = 0.2
 NAMED_IN_SUMMARY = 3
 
@@ -79,21 +80,23 @@ def compile_kernels(
     """Compile every kernel that a start with these settings needs and that is not on disk yet.
 
     show: gets the progress whenever it changes; log: gets each line for the log; go_on: is asked several times a
-    second, and False ends the work. Raises ServiceError when a step fails.
+    second, and False ends the work. Raises ServiceError when a step fails, or when there is no folder to write to.
     """
     began = time.monotonic()
     folder, notice = choose_kernel_folder()
+    if folder is None:
+        raise ServiceError(
+            "a folder for compiled kernels", found=notice, accepted="PSLV_DATA_DIR names one that is ours"
+        )
     if notice:
         log(notice)
     kind = settings.source.uri.partition(":")[0]
-    if folder is not None and is_complete(folder, kind):
+    if is_complete(folder, kind):
         show(f"{len(STEPS)} of {len(STEPS)} parts were compiled before")
         return
-    before = set[str]()
-    if folder is not None:
-        if delete_damaged(folder):
-            log(DAMAGED.format(folder.path))
-        before = set(kernel_files(folder))
+    if delete_damaged(folder):
+        log(DAMAGED.format(folder.path))
+    before = set(kernel_files(folder))
     shown = ""
     for progress in _progress(settings):
         if progress != shown:
@@ -101,7 +104,8 @@ def compile_kernels(
         if not go_on():
             return
     log(_summary(folder, before, time.monotonic() - began))
-    if folder is not None:
+    newest, _ = choose_kernel_folder()
+    if newest is not None and newest.path == folder.path:  # else the code changed meanwhile
         with contextlib.suppress(OSError):  # a full disk: the next start compiles what is missing
             mark_complete(folder, kind)
         delete_old_versions(folder)
@@ -135,7 +139,7 @@ class _Worker:
         self.step = ""
         """What it compiles now; empty: nothing."""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "vision_core.pipeline.warm_up", str(os.getpid())],
+            [sys.executable, *WORKER, str(os.getpid())],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             bufsize=0,
@@ -177,10 +181,8 @@ class _Worker:
             self._process.stdin.write(line + b"\n")
 
 
-def _summary(folder: PrivateFolder | None, before: set[str], seconds: float) -> str:
+def _summary(folder: PrivateFolder, before: set[str], seconds: float) -> str:
     """What was compiled, in one line."""
-    if folder is None:
-        return f"compiled all kernels in {seconds:.0f} s, and kept none"
     fresh = compiled_kernels(folder, [name for name in kernel_files(folder) if name not in before])
     longest = sorted(fresh, key=lambda kernel: -kernel.seconds)[:NAMED_IN_SUMMARY]
     named = ", ".join(f"{kernel.kernel.rpartition('.')[2]} {kernel.seconds:.1f} s" for kernel in longest)
