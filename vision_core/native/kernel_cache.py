@@ -13,10 +13,12 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 from numba.core import caching, compiler, serialize
 
+from vision_core.native.fingerprint import PACKAGE
 from vision_core.native.kernel_folder import DAMAGED, CompiledKernel, choose_kernel_folder, machine_code
 from vision_core.native.private_folder import DamagedFileError, PrivateFolder
 
@@ -111,8 +113,13 @@ class KernelCache(caching._Cache):
         """What a kernel was compiled from, beside the code that the folder stands for."""
         closure = self._function.__closure__ or ()
         cells = _encode(tuple(cell.cell_contents for cell in closure)) if closure else b""
-        code = hashlib.sha256(self._function.__code__.co_code + cells).hexdigest()
+        code = hashlib.sha256(self._function.__code__.co_code + cells + self._foreign_source()).hexdigest()
         return sig, codegen.magic_tuple(), code
+
+    def _foreign_source(self) -> bytes:
+        """The source file of a kernel outside the package, which the folder's fingerprint does not cover."""
+        file = Path(self._function.__code__.co_filename)
+        return b"" if file.is_relative_to(PACKAGE) or not file.is_file() else file.read_bytes()
 
     def _file_name(self, key: tuple[Any, ...]) -> str:
         digest = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
