@@ -102,7 +102,7 @@ def _try_out(settings: "Settings") -> "SelfTest":
             lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
             raise PslvError((lines[-1] if opened.returncode == 2 else "\n".join(lines)) + _in_use_by(settings))
         for line in opened.stderr.decode(errors="replace").splitlines():
-            _tell(line)
+            print_line(line)
         told = timing.communicate()[0]
         if timing.returncode:
             raise PslvError(
