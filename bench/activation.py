@@ -1,18 +1,17 @@
 """Activation of tasks of 50 ms: ours in the running service, and a program in C for each of them in the same run.
 
-Five tasks of five priorities run in processes of their own in the real service. For each there is a twin in C
-(``twins/activation.c``) of the same period and priority, between two of ours in time: 2 ms after its task for a quarter
-of the run, then 4, 6 and 8 ms, since neighbors in time make more difference than the language. It sleeps until the
-instant, as one does; ours wakes a little earlier and looks at the clock until the instant comes
-(``scheduling.executive``), so a second twin that does the same in C is measured as well, apart. Unloaded means that the
-vision rests: a camera of 1 Hz, all slow trackers switched off. Then it works as always, at higher priorities, alone and
-with a busy process on each core: the camera's 29.97 Hz fit into no period, so that its frames pass through all of them,
-ours and the twins', within half a minute.
-What counts is the interval between two activations, as each program reads the clock itself: the standard deviation of
-the central 99 %, over all tasks together. The rest is excluded, as far as the paper's figures go, and told apart.
-Where the machine stands still more often than once in 200 activations, those 99 % tell of the machine; the central 95
-% do not.
-"""
+Five tasks of five priorities run in processes of their own in the real service. For each there is a baseline in C
+(``baselines/activation.c``) of the same period and priority, between two of ours in time: 2 ms after its task for a
+quarter of the run, then 4, 6 and 8 ms, since neighbors in time make more difference than the language. It sleeps until
+the instant; ours wakes a little earlier and reads the clock until the instant comes (``scheduling.executive``), so a
+second baseline that does the same in C is measured as well, apart.
+
+Unloaded means that the vision rests: a camera of 1 Hz, all slow trackers switched off. Then it works as always, at
+higher priorities, alone and with a busy process on each core: the camera's 29.97 Hz fit into no period, so that its
+frames pass through all of them, ours and the baselines', within half a minute. What counts is the interval between
+two activations, as each program reads the clock itself: the standard deviation of the central 99 %, over all tasks
+together. The rest is excluded, as far as the paper's figures go, and told apart. Where the machine stands still more
+often than once in 200 activations, those 99 % tell of the machine; the central 95 % do not."""
 
 import contextlib
 import json
@@ -43,8 +42,8 @@ CENTRAL, USUAL = 0.99, 0.95
 GOAL_RATIO, GOAL_US = 1.2, 100.0
 SLEEPER, EARLY = "C that sleeps until the instant", "C that wakes as early as ours"
 SETTLE_S = 3.0
-TWIN_PATIENCE_S = 10.0
-TWINS_AFTER_MS = (2, 4, 6, 8)
+BASELINE_PATIENCE_S = 10.0
+BASELINES_AFTER_MS = (2, 4, 6, 8)
 CAMERA_HZ = 29.97
 NS_PER_US = 1000
 
@@ -118,7 +117,7 @@ def _central(values: Floats, part: float) -> Floats:
 
 
 def run(seconds: float = 60.0) -> list[Row]:
-    """Without load, beside the vision, and with load beside it; seconds: how long each lasts, with either twin."""
+    """Without load, beside the vision, and with load beside it; seconds: how long each lasts, with either baseline."""
     program, word = build_program("activation")
     rows: list[Row] = [] if program else [{"name": word}]
     with _service(settings_of(1.0, *RESTING)) as (attached, folder):
@@ -148,42 +147,44 @@ def _service(settings: str) -> Iterator[tuple[Attached, Path]]:
 def _measure(
     attached: Attached, folder: Path, program: Path | None, seconds: float, load: str, goal_us: float | None
 ) -> list[Row]:
-    """Ours and the twins over the same stretches of time, one for each place of the twins among ours, in turn."""
+    """Ours and the baselines over the same time, once for each place of the baselines among ours."""
     ours: dict[str, list[Floats]] = {SLEEPER: [], EARLY: []}
     theirs: dict[str, list[Floats]] = {SLEEPER: [], EARLY: []}
     said: set[str] = set()
-    for after_ms in TWINS_AFTER_MS:
+    for after_ms in BASELINES_AFTER_MS:
         for kind in ours:
-            start, end, reports = _stretch(attached, program, seconds / len(TWINS_AFTER_MS), load, after_ms, kind)
+            start, end, reports = _stretch(attached, program, seconds / len(BASELINES_AFTER_MS), load, after_ms, kind)
             ours[kind] += [_within(begins_of(folder / task.name).astype(np.float64), start, end) for task in TASKS]
             theirs[kind] += [_within(np.array(report["wakes_ns"], dtype=np.float64), start, end) for report in reports]
             said |= {f"{report['policy']}, {_refusal(report)}" for report in reports}
     rows = _rows(load, regularity_of(ours[SLEEPER]), regularity_of(theirs[SLEEPER]) if program else None, goal_us)
     if program:
         rows.append(_deviation_row(f"{load}, {EARLY}", regularity_of(ours[EARLY]), regularity_of(theirs[EARLY])))
-    return [*rows, *({"name": f"{load}: twins in C run under {words}"} for words in sorted(said))]
+    return [*rows, *({"name": f"{load}: baselines in C run under {words}"} for words in sorted(said))]
 
 
 def _stretch(
     attached: Attached, program: Path | None, seconds: float, load: str, after_ms: int, kind: str
 ) -> tuple[int, int, list[dict[str, Any]]]:
-    """When it began and ended [ns of CLOCK_MONOTONIC], and what the twins of all tasks report."""
+    """When it began and ended [ns of CLOCK_MONOTONIC], and what the baselines of all tasks report."""
     early_ns = EARLY_NS if kind == EARLY else 0
     with contextlib.ExitStack() as stack:
-        twins = []
+        baselines = []
         for task in TASKS if program is not None else ():
-            twins.append(_twin(program, task.priority, attached.boot, task.offset_ms + after_ms, seconds, early_ns))
-            stack.callback(_end, twins[-1])
+            baselines.append(
+                _baseline(program, task.priority, attached.boot, task.offset_ms + after_ms, seconds, early_ns)
+            )
+            stack.callback(_end, baselines[-1])
         start = MonotonicClock().now()
         sit_out(seconds, f"activation, {load}, {kind}")
         end = MonotonicClock().now()
-        return start, end, [json.loads(twin.communicate(timeout=TWIN_PATIENCE_S)[0]) for twin in twins]
+        return start, end, [json.loads(baseline.communicate(timeout=BASELINE_PATIENCE_S)[0]) for baseline in baselines]
 
 
-def _twin(
+def _baseline(
     program: Path | None, priority: int, boot: int, offset_ms: int, seconds: float, early_ns: int
 ) -> "subprocess.Popen[str]":
-    """A twin whose grid begins at an offset from the start of the service, as our tasks' grids do."""
+    """A baseline whose grid begins at an offset from the start of the service, as our tasks' grids do."""
     period, now = PERIOD_MS * NS_PER_MS, MonotonicClock().now()
     origin = boot + offset_ms * NS_PER_MS
     first = origin + ((now - origin) // period + 2) * period
@@ -192,22 +193,27 @@ def _twin(
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
 
 
-def _end(twin: "subprocess.Popen[str]") -> None:
-    twin.kill()
-    twin.wait()
+def _end(baseline: "subprocess.Popen[str]") -> None:
+    baseline.kill()
+    baseline.wait()
 
 
 def _within(instants: Floats, start: int, end: int) -> Floats:
     return instants[(instants >= start) & (instants <= end)]
 
 
-def _rows(load: str, ours: Regularity, twin: Regularity | None, goal_us: float | None) -> list[Row]:
-    """Ours and the twins', side by side."""
+def _rows(load: str, ours: Regularity, baseline: Regularity | None, goal_us: float | None) -> list[Row]:
+    """Ours and the baselines', side by side."""
 
     def row(name: str, key: str, unit: str) -> Row:
-        return {"name": f"{load}: {name}", "value": getattr(ours, key), "unit": unit, "twin": getattr(twin, key, None)}
+        return {
+            "name": f"{load}: {name}",
+            "value": getattr(ours, key),
+            "unit": unit,
+            "twin": getattr(baseline, key, None),
+        }
 
-    deviation = _deviation_row(f"{load}, {SLEEPER}", ours, twin)
+    deviation = _deviation_row(f"{load}, {SLEEPER}", ours, baseline)
     if "ratio" in deviation:
         deviation |= {"goal": f"<= {GOAL_RATIO}x", "met": deviation["ratio"] <= GOAL_RATIO}
     rows = [deviation]
@@ -224,12 +230,12 @@ def _rows(load: str, ours: Regularity, twin: Regularity | None, goal_us: float |
     ]
 
 
-def _deviation_row(beside: str, ours: Regularity, twin: Regularity | None) -> Row:
+def _deviation_row(beside: str, ours: Regularity, baseline: Regularity | None) -> Row:
     row: Row = {"name": f"{beside}: standard deviation of the central {CENTRAL * 100:g} %", "unit": "us"}
     row |= {"value": ours.deviation_us}
-    if twin is None:
+    if baseline is None:
         return row
-    return row | {"twin": twin.deviation_us, "ratio": ours.deviation_us / max(twin.deviation_us, 1e-9)}
+    return row | {"twin": baseline.deviation_us, "ratio": ours.deviation_us / max(baseline.deviation_us, 1e-9)}
 
 
 def _refusal(report: dict[str, Any]) -> str:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.fault_targets import Service, Victim
+from bench.fault_targets import FaultTarget, Service
 from bench.helpers import Companion, Report, sit_out, stepwise
 from bench.runner import Row
 from bench.service import configured, running_service
@@ -45,7 +45,7 @@ NS_PER_US = 1000
 class Fault:
     """What was done, and what came of it."""
 
-    victim: Victim
+    target: FaultTarget
     how: signal.Signals
     struck: Instant
     back_s: float
@@ -58,7 +58,7 @@ def run(rounds: int = 20) -> list[Row]:
         running = stack.enter_context(running_service("--config", path))
         attached = attach_to(running.control)
         service = Service(running, attached)
-        service.wait_until_whole()
+        service.wait_until_complete()
         receiver = stack.enter_context(Companion("bench.receiver", running.udp_port, CLIENTS_PER_TEAM))
         doubter = stack.enter_context(Companion("bench.freshness", running.control))
         sit_out(SETTLE_S, "faults: settling")
@@ -83,15 +83,15 @@ def _sessions(service: Service) -> set[tuple[str, int, int, Instant]]:
 
 def _strike_all(service: Service, rounds: int) -> tuple[list[Fault], float]:
     """All faults, and the longest wait before one [s]."""
-    turns = [(victim, how) for how in SIGNALS for victim in service.victims()] * rounds
+    turns = [(target, how) for how in SIGNALS for target in service.targets()] * rounds
     struck: dict[str, list[float]] = defaultdict(list)
     faults, longest_s = [], 0.0
-    for victim, how in stepwise(turns, "faults"):
-        longest_s = max(longest_s, service.wait_until_whole())
-        time.sleep(max(SETTLE_S, _too_soon_s(struck[victim.name])))
-        service.wait_until_whole()
-        struck[victim.name].append(time.monotonic())
-        faults.append(Fault(victim, how, *service.strike(victim, how)))
+    for target, how in stepwise(turns, "faults"):
+        longest_s = max(longest_s, service.wait_until_complete())
+        time.sleep(max(SETTLE_S, _too_soon_s(struck[target.name])))
+        service.wait_until_complete()
+        struck[target.name].append(time.monotonic())
+        faults.append(Fault(target, how, *service.strike(target, how)))
     return faults, longest_s
 
 
@@ -105,8 +105,8 @@ def _fault_rows(faults: list[Fault], heard: Report) -> list[Row]:
     to_all = sorted(last for _, count, _, last in heard["views"] if count == heard["clients"])
     arrivals = np.array(to_all, dtype=np.int64)
     rows: list[Row] = []
-    for name in dict.fromkeys(fault.victim.name for fault in faults):
-        ours = [fault for fault in faults if fault.victim.name == name]
+    for name in dict.fromkeys(fault.target.name for fault in faults):
+        ours = [fault for fault in faults if fault.target.name == name]
         silences = [silence_after(arrivals, fault.struck, fault.back_s) for fault in ours]
         rows.append(_back_row(ours, [until_s for _, until_s in silences]))
         longest_s = max(silence_s for silence_s, _ in silences)
@@ -116,16 +116,16 @@ def _fault_rows(faults: list[Fault], heard: Report) -> list[Row]:
 
 def _back_row(faults: list[Fault], heard_again_s: Iterable[float]) -> Row:
     """The worst of a process's faults."""
-    victim = faults[0].victim
+    target = faults[0].target
     back_s = [fault.back_s for fault in faults]
-    if victim.on_the_way:
+    if target.on_frame_path:
         back_s = [max(both) for both in zip(back_s, heard_again_s, strict=True)]
     worst = int(np.argmax(back_s))
     words = f"worst of {len(faults)} ({faults[worst].how.name}), median {np.median(back_s):.2f} s"
-    row: Row = {"name": f"{victim.name}: back after, {words}", "value": round(back_s[worst], 3), "unit": "s"}
-    if victim.limit_s is None:
+    row: Row = {"name": f"{target.name}: back after, {words}", "value": round(back_s[worst], 3), "unit": "s"}
+    if target.limit_s is None:
         return row
-    return row | {"goal": f"<= {victim.limit_s:g} s", "met": back_s[worst] <= victim.limit_s}
+    return row | {"goal": f"<= {target.limit_s:g} s", "met": back_s[worst] <= target.limit_s}
 
 
 def silence_after(arrivals: NDArray[np.int64], struck: int, back_s: float) -> tuple[float, float]:

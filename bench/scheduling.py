@@ -9,7 +9,7 @@ they stand, each a process of its own in the real service, run by its executive.
 had 320x240), the ball gone in a fifth of the frames and the goals in a sixth. All of it under full background load: on
 every core a process of the ordinary policy that never rests.
 
-Every activation is noted by the task itself when it begins (``cambada.diary``); nobody polls. Beside (b) a sleeper on
+Every activation is noted by the task itself when it begins (``cambada.activation_log``). Beside (b) a sleeper on
 each core shows when the machine stood still. Tables 1 and 3 come with the paper's figures as the twin; the histograms
 of figures 3 and 5 to 8 go to ``bench/out/scheduling.png``.
 """
@@ -21,14 +21,14 @@ import sys
 import tempfile
 from pathlib import Path
 
-from bench.cambada.activation_log import BEGAN, Rows, read_diary
+from bench.cambada.activation_log import BEGAN, Rows, read_activations
 from bench.cambada.detectors import DETECTORS, detector_of
 from bench.cambada.monolith import BALL, LOOP
 from bench.cambada.paper import RATE_HZ, TASKS
 from bench.cambada.picture import draw
-from bench.cambada.results import Loop, Modular, StoodStill, table_1, table_3, told_of
-from bench.cambada.test_sequence import BALL_GONE, FRAMES, GOALS_GONE, write_film
-from bench.cambada.venue import DIARIES, FILM, write_venue
+from bench.cambada.results import Loop, MachineStall, Modular, table_1, table_3, told_of
+from bench.cambada.test_sequence import BALL_GONE, FRAMES, GOALS_GONE, write_sequence
+from bench.cambada.venue import LOGS, SEQUENCE, write_venue
 from bench.clients import Sleepers
 from bench.frame_path import policy_of
 from bench.helpers import ROOT, sit_out
@@ -52,7 +52,7 @@ def run(seconds: float = 60.0, out: Path = OUT) -> list[Row]:
         folder = Path(name)
         venue = write_venue(folder)
         settings = load_settings(venue=str(venue))
-        write_film(settings, folder / FILM)
+        write_sequence(settings, folder / SEQUENCE)
         for task in DETECTORS:
             detector_of(task, settings)  # compiled here, loaded by everybody
         with full_load() as load:
@@ -70,11 +70,11 @@ def run(seconds: float = 60.0, out: Path = OUT) -> list[Row]:
 
 def measure_loop(folder: Path, venue: Path, priority: int, seconds: float) -> Loop:
     """The monolithic loop at a priority, 0 for an ordinary process."""
-    diaries = folder / f"{DIARIES}-{priority}"
-    diaries.mkdir()
-    command = [sys.executable, "-m", "bench.cambada.monolith", venue, seconds, priority, diaries]
+    logs = folder / f"{LOGS}-{priority}"
+    logs.mkdir()
+    command = [sys.executable, "-m", "bench.cambada.monolith", venue, seconds, priority, logs]
     done = subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE, text=True, cwd=ROOT)
-    return Loop(done.stdout.strip(), read_diary(diaries, LOOP), read_diary(diaries, BALL))
+    return Loop(done.stdout.strip(), read_activations(logs, LOOP), read_activations(logs, BALL))
 
 
 def measure_tasks(folder: Path, venue: Path, seconds: float) -> tuple[Modular, list[Row]]:
@@ -90,11 +90,11 @@ def measure_tasks(folder: Path, venue: Path, seconds: float) -> tuple[Modular, l
         sleepers.stop()
         policies = _policies(service.control)
         told = _load_rows(load, "the tasks")
-    tasks = {name: _within(read_diary(folder / DIARIES, name), start, end) for name in TASKS}
+    tasks = {name: _within(read_activations(folder / LOGS, name), start, end) for name in TASKS}
     return Modular(tasks, policies, witness_of(sleepers)), [*told, *sleepers.rows()]
 
 
-def witness_of(sleepers: Sleepers) -> StoodStill:
+def witness_of(sleepers: Sleepers) -> MachineStall:
     """When the machine stood still. A sleeper without real-time priority shows that others ran, and excuses nothing."""
     if all(report["policy"] == "SCHED_FIFO" for report in sleepers.reports):
         return sleepers.stood_still_between

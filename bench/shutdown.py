@@ -6,17 +6,17 @@ import socket
 import time
 from pathlib import Path
 
-from bench.fault_targets import PATIENCE_S, RUNNING, Service
+from bench.fault_targets import PATIENCE_S, Service
 from bench.frame_path import VIEWS
 from bench.helpers import sit_out
 from bench.runner import Row
 from bench.service import RunningService, is_alive
 from vision_core.net.control import restart
+from vision_core.rtdb.process_state import ProcessState
 
-DISABLED = "disabled"
-VICTIM = "watch"
-"""No robot's view goes through it."""
-ENDS_TO_DISABLE = 5
+TARGET = "watch"
+"""Robots are served without it."""
+CRASHES_TO_DISABLE = 5
 LOOK_EVERY_S = 0.01
 OTHERS_S = 2.0
 MINUTE_S = 60.0
@@ -28,15 +28,15 @@ LOOPBACK = "127.0.0.1"
 def disabling(service: Service) -> list[Row]:
     """Five kills within a minute: the task is disabled, that is said, others go on, and it can be tried again."""
     sit_out(MINUTE_S, "faults: a minute without any")
-    service.wait_until_whole()
+    service.wait_until_complete()
     began = time.monotonic()
-    for _ in range(ENDS_TO_DISABLE):
-        pid = _wait_for(service, RUNNING)
+    for _ in range(CRASHES_TO_DISABLE):
+        pid = _wait_for(service, ProcessState.RUNNING)
         assert pid is not None
         os.kill(pid, signal.SIGKILL)
-        while service.process(VICTIM).pid == pid:
+        while service.process(TARGET).pid == pid:
             time.sleep(LOOK_EVERY_S)
-    _wait_for(service, DISABLED)
+    _wait_for(service, ProcessState.DISABLED)
     took_s = time.monotonic() - began
     views = service.attached.store.reader(VIEWS)
     before = views.sequence
@@ -44,13 +44,13 @@ def disabling(service: Service) -> list[Row]:
     rate = (views.sequence - before) / OTHERS_S
     said = _said(service)
     asked = time.monotonic()
-    restart(service.running.control, VICTIM)
-    _wait_for(service, RUNNING)
+    restart(service.running.control, TARGET)
+    _wait_for(service, ProcessState.RUNNING)
     again_s = time.monotonic() - asked
-    name = f"{VICTIM} killed {ENDS_TO_DISABLE} times"
+    name = f"{TARGET} killed {CRASHES_TO_DISABLE} times"
     return [
         {"name": f"{name}: disabled after", "value": round(took_s, 1), "unit": "s"},
-        {"name": f"{name}: /api/v1/status says {said!r}", "goal": "is said", "met": DISABLED in said},
+        {"name": f"{name}: /api/v1/status says {said!r}", "goal": "is said", "met": ProcessState.DISABLED in said},
         {"name": f"{name}: views a second meanwhile", "value": round(rate, 1), "unit": "1/s", "goal": "> 25 1/s",
          "met": rate > 25.0},
         {"name": f"{name}: runs again after a restart, within", "value": round(again_s, 2), "unit": "s"},
@@ -58,20 +58,20 @@ def disabling(service: Service) -> list[Row]:
 
 
 def _wait_for(service: Service, state: str) -> int | None:
-    """Wait until the victim is in a state; its process id. Raises RuntimeError when it never is."""
+    """Wait until the target is in a state; its process id. Raises RuntimeError when it never is."""
     deadline = time.monotonic() + PATIENCE_S
-    while (row := service.process(VICTIM)).state != state:
+    while (row := service.process(TARGET)).state != state:
         if time.monotonic() > deadline:
-            raise RuntimeError(f"{VICTIM}: {row.state} ({row.detail}) was found; {state} was expected")
+            raise RuntimeError(f"{TARGET}: {row.state} ({row.detail}) was found; {state} was expected")
         time.sleep(LOOK_EVERY_S)
     return row.pid
 
 
 def _said(service: Service) -> str:
-    """What the status tells of the victim, in the table of processes and in words."""
+    """What the status tells of the target, in the table of processes and in words."""
     status = service.running.get("/api/v1/status")[1]
-    row = next(row for row in status["processes"] if row["name"] == VICTIM)
-    words = [word for word in (*status["degraded"], *status["reasons"]) if VICTIM in word]
+    row = next(row for row in status["processes"] if row["name"] == TARGET)
+    words = [word for word in (*status["degraded"], *status["reasons"]) if TARGET in word]
     return "; ".join([f"{row['state']}, {row['detail']}", *words])
 
 

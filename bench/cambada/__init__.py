@@ -15,8 +15,8 @@ images have 640x480 pixels where theirs had 320x240. So a task looks for what co
     bpost     the field's corners at blue's end                                every 16th
     ypost     the field's corners at yellow's end                              every 16th
 
-``paper`` has the paper's tables; ``film`` renders the frames that both arms see; ``detectors`` looks at them, with the
-help of ``profiles``; ``tasks`` makes each detector a task of the service, ``venue`` the venue that declares them;
-``monolith`` is the loop that does everything for every frame, one after the other; ``diary`` is how both tell when they
+``paper`` has the paper's tables; ``test_sequence`` renders the frames that both see; ``detectors`` looks at them with
+the help of ``profiles``; ``tasks`` makes each detector a task of the service, ``venue`` the venue that declares them;
+``monolith`` is the loop that does everything for every frame, one after the other; ``activation_log`` notes when both
 ran. ``bench.scheduling`` runs the two against each other.
 """

@@ -17,7 +17,7 @@ ROOM = 50_000
 """Runs; 41 minutes at 20 Hz. Later ones are not noted."""
 
 
-class Diary:
+class ActivationLog:
     """The runs of one thing."""
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class Diary:
             np.save(folder / f"{name}.{os.getpid()}.npy", self.rows)
 
 
-def read_diary(folder: Path, name: str) -> Rows:
+def read_activations(folder: Path, name: str) -> Rows:
     """All runs of a name, in order."""
     parts = [np.load(path) for path in folder.glob(f"{name}.*.npy")]
     rows: Rows = np.concatenate([np.empty((0, 5), dtype=np.int64), *parts])

@@ -16,7 +16,7 @@ NEAR_S = 0.1
 """A stall of the machine so long before a frame was missed still explains it."""
 FRAME_MS = 1e3 / RATE_HZ
 
-StoodStill = Callable[[float, float], bool]
+MachineStall = Callable[[float, float], bool]
 """Did the machine stand still between two instants [s of CLOCK_MONOTONIC]?"""
 
 
@@ -48,7 +48,7 @@ class Modular:
     tasks: dict[str, Rows]
     policies: dict[str, str]
     """That they have got, with the reason where it is not what was asked for."""
-    stood_still: StoodStill
+    stood_still: MachineStall
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ def spread_of(durations_ms: Floats) -> Spread:
     return Spread(*(float(measure(durations_ms)) for measure in (np.max, np.min, np.mean, np.std)))
 
 
-def skipped_of(rows: Rows, period_ms: float, stood_still: StoodStill) -> Skipped:
+def skipped_of(rows: Rows, period_ms: float, stood_still: MachineStall) -> Skipped:
     """What a task that should look at every frame has left out."""
     ours = machine = releases = 0
     for before, after in pairwise(rows.tolist()):
@@ -138,7 +138,7 @@ def told_of(modular: Modular) -> Iterator[Row]:
         yield {"name": f"{name}: execution, max", "value": times.max_ms, "unit": "ms"}
 
 
-def _skipped_rows(name: str, rows: Rows, stood_still: StoodStill) -> Iterator[Row]:
+def _skipped_rows(name: str, rows: Rows, stood_still: MachineStall) -> Iterator[Row]:
     skipped = skipped_of(rows, FRAME_MS, stood_still)
     goal = {"goal": "0", "met": skipped.ours == 0}
     yield {"name": f"{name}: frames skipped, our fault", "value": skipped.ours} | goal

@@ -1,7 +1,7 @@
 """Tasks: images -> where a thing is. One module for all: the task's name says which detector it is.
 
 Each run copies the newest image into memory of its own, looks at it, and writes ``cambada/<name>``. When the process
-ends it saves its diary.
+ends it saves its log.
 """
 
 import atexit
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import msgspec
 
-from bench.cambada.activation_log import Diary
+from bench.cambada.activation_log import ActivationLog
 from bench.cambada.detectors import Places, detector_of
-from bench.cambada.venue import diaries_of
+from bench.cambada.venue import log_folder
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import RAN, Release, StepResult
@@ -34,8 +34,8 @@ def start(handle: Handle) -> Step:
     (record,) = handle.task.writes
     findings = handle.raw_writer(record)
     encoder = msgspec.msgpack.Encoder()
-    diary = Diary()
-    atexit.register(diary.save, diaries_of(handle.settings.source.uri), handle.task.name)
+    log = ActivationLog()
+    atexit.register(log.save, log_folder(handle.settings.source.uri), handle.task.name)
 
     def step(release: Release) -> StepResult:
         began = handle.clock.now()
@@ -45,7 +45,7 @@ def start(handle: Handle) -> Step:
         places = detector.look(image.pixels, image.grabbed)
         done = handle.clock.now()
         findings.write(encoder.encode(Finding(image.number, places)), image.grabbed, done)
-        diary.note(release.due, began, done, image.number, found=places is not None)
+        log.note(release.due, began, done, image.number, found=places is not None)
         return RAN
 
     return step

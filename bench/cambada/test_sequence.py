@@ -1,7 +1,7 @@
 """The frames that both arms of the experiment look at: a simulated match, in which things are sometimes gone.
 
-The ball really leaves the scene, and the goals are built over with wall, each for stretches of the film; nothing is
-painted over in the picture. The film is played over and over: at its beginning everything jumps once.
+The ball really leaves the scene, and the goals are built over with wall, each for stretches of the sequence; nothing is
+painted over in the picture. The sequence is played over and over: at its beginning everything jumps once.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from vision_core.native.opencv import write_picture
 from vision_core.settings.schema import Settings
 
 FRAMES = 300
-"""Of the film, 15 s."""
+"""Of the sequence, 15 s."""
 BALL_GONE = 100, range(60, 80)
 """Of every so many frames, those without it."""
 GOALS_GONE = 150, range(100, 125)
@@ -34,14 +34,14 @@ class Shot:
     """One frame, and what is in it."""
 
     pixels: Bytes
-    """Shape (height, width, 3), blue green red; the film's own memory, filled anew for each frame."""
+    """Shape (height, width, 3), blue green red; the sequence's own memory, filled anew for each frame."""
     scene: Snapshot
     ball: bool
     goals: bool
 
 
 def shots(settings: Settings, frames: int = FRAMES) -> Iterator[Shot]:
-    """Render the film, frame after frame. The camera of the settings must be a lens."""
+    """Render the sequence, frame after frame. The camera of the settings must be a lens."""
     world, camera = World(settings), CameraSetup.from_settings(settings)
     assert isinstance(camera.model, PinholeCamera), f"camera.model = {camera.settings.model}, not pinhole"
     closed = msgspec.structs.replace(settings.field, goal=msgspec.structs.replace(settings.field.goal, depth_m=0.0))
@@ -58,8 +58,8 @@ def shots(settings: Settings, frames: int = FRAMES) -> Iterator[Shot]:
         yield Shot(pixels, scene, ball, goals)
 
 
-def write_film(settings: Settings, folder: Path, frames: int = FRAMES) -> None:
-    """Save the film as pictures without loss, named so that they sort. The folder is made."""
+def write_sequence(settings: Settings, folder: Path, frames: int = FRAMES) -> None:
+    """Save the sequence as pictures without loss, named so that they sort. The folder is made."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, shot in enumerate(shots(settings, frames)):
         write_picture(folder / f"{number:04}.bmp", shot.pixels)

@@ -1,4 +1,4 @@
-"""The venue of the experiment: the film at the paper's rate, and the paper's table 2 as tasks of the service.
+"""The venue of the experiment: the sequence at the paper's rate, and the paper's table 2 as tasks of the service.
 
 The service goes on serving robots, with priorities below all of the paper's; its own slower trackers are switched off.
 """
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bench.cambada.paper import RATE_HZ, TASKS
 
-FILM, DIARIES, VENUE = "film", "diaries", "venue.toml"
+SEQUENCE, LOGS, VENUE = "sequence", "logs", "venue.toml"
 """What lies in the experiment's folder."""
 OFF = ("obstacles", "boundary", "lines", "exposure", "colors", "diagnose")
 BELOW = {"perceive": 12, "serve": 11}
@@ -19,20 +19,20 @@ BUDGET_MS = 5.0
 
 
 def write_venue(folder: Path) -> Path:
-    """Write the venue of an experiment whose film lies in a folder, and make room for diaries; returns its path."""
-    (folder / DIARIES).mkdir(exist_ok=True)
+    """Write the venue of an experiment whose sequence lies in a folder, and make room for logs; returns its path."""
+    (folder / LOGS).mkdir(exist_ok=True)
     path = folder / VENUE
     path.write_text("\n".join(_lines(folder)) + "\n", encoding="utf-8")
     return path
 
 
-def diaries_of(source_uri: str) -> Path:
-    """Where a task saves its diary, by the source that it looks at: beside the film."""
-    return Path(source_uri.partition(":")[2]).parent / DIARIES
+def log_folder(source_uri: str) -> Path:
+    """Where a task saves its log, by the source that it looks at: beside the sequence."""
+    return Path(source_uri.partition(":")[2]).parent / LOGS
 
 
 def _lines(folder: Path) -> Iterator[str]:
-    yield f'source.uri = "file:{folder / FILM}"'
+    yield f'source.uri = "file:{folder / SEQUENCE}"'
     yield f"camera.rate_hz = {RATE_HZ}"
     for name in OFF:
         yield f"tasks.{name}.enabled = false"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.activation import PERIOD_MS, TASKS, TWINS_AFTER_MS, regularity_of
+from bench.activation import BASELINES_AFTER_MS, PERIOD_MS, TASKS, regularity_of
 from vision_core.clock import NS_PER_MS
 
 PERIOD_NS = PERIOD_MS * NS_PER_MS
@@ -37,7 +37,7 @@ def test_a_release_without_a_run_is_counted() -> None:
     assert regularity_of([grid]).skipped == 3
 
 
-@pytest.mark.parametrize("after_ms", TWINS_AFTER_MS)
+@pytest.mark.parametrize("after_ms", BASELINES_AFTER_MS)
 def test_no_task_or_twin_has_the_offset_of_another(after_ms: int) -> None:
     offsets = [offset for task in TASKS for offset in (task.offset_ms, task.offset_ms + after_ms)]
     assert len({offset % PERIOD_MS for offset in offsets}) == len(offsets)

@@ -11,14 +11,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from bench.cambada.activation_log import BEGAN, IMAGE, Diary, read_diary
+from bench.cambada.activation_log import BEGAN, IMAGE, ActivationLog, read_activations
 from bench.cambada.detectors import DETECTORS, Detector, Places, detector_of
 from bench.cambada.monolith import BALL, LOOP, run
 from bench.cambada.paper import TASKS
 from bench.cambada.profiles import Strip, normals
 from bench.cambada.tasks import Finding, start
 from bench.cambada.test_sequence import shots
-from bench.cambada.venue import DIARIES, FILM, diaries_of, write_venue
+from bench.cambada.venue import LOGS, SEQUENCE, log_folder, write_venue
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock
@@ -56,7 +56,7 @@ class Look:
 
 @cache
 def looks() -> tuple[Look, ...]:
-    """Everybody looks at the film once."""
+    """Everybody looks at the sequence once."""
     detectors = {name: detector_of(name, SETTINGS) for name in DETECTORS}
     seen = []
     for number, shot in enumerate(shots(SETTINGS, FRAMES)):
@@ -184,15 +184,15 @@ def test_a_strip_outside_of_the_picture_sees_nothing() -> None:
 
 
 def test_a_diary_keeps_every_run_of_all_processes_in_order(tmp_path: Path) -> None:
-    later, earlier = Diary(), Diary()
+    later, earlier = ActivationLog(), ActivationLog()
     later.note(30, 31, 32, 3, found=False)
     for number in (1, 2):
         earlier.note(number * 10, number * 10 + 1, number * 10 + 2, number, found=True)
     later.save(tmp_path, "thing")
     earlier.save(tmp_path, "thing.0")
     (tmp_path / f"thing.0.{os.getpid()}.npy").rename(tmp_path / "thing.1.npy")
-    assert read_diary(tmp_path, "thing").tolist() == [[10, 11, 12, 1, 1], [20, 21, 22, 2, 1], [30, 31, 32, 3, 0]]
-    assert read_diary(tmp_path, "nothing").shape == (0, 5)
+    assert read_activations(tmp_path, "thing").tolist() == [[10, 11, 12, 1, 1], [20, 21, 22, 2, 1], [30, 31, 32, 3, 0]]
+    assert read_activations(tmp_path, "nothing").shape == (0, 5)
     later.save(tmp_path / "nowhere", "thing")
 
 
@@ -209,8 +209,8 @@ def test_the_venue_has_the_papers_table_as_it_stands(tmp_path: Path) -> None:
     assert {task.process for task in table.values() if task.name in TASKS} == set(TASKS)
     others = [task for task in table.values() if task.name not in {*TASKS, "capture"} and task.times.enabled]
     assert max(task.times.priority for task in others) < min(line.priority for line in TASKS.values())
-    assert diaries_of(settings.source.uri) == tmp_path / DIARIES
-    assert settings.source.uri == f"file:{tmp_path / FILM}"
+    assert log_folder(settings.source.uri) == tmp_path / LOGS
+    assert settings.source.uri == f"file:{tmp_path / SEQUENCE}"
 
 
 class Seen:
@@ -230,12 +230,12 @@ class Seen:
 
 
 def test_the_loop_shows_everybody_the_newest_frame_and_skips_what_it_is_too_slow_for() -> None:
-    film = [np.full((2, 2, 3), number, dtype=np.uint8) for number in range(3)]
+    sequence = [np.full((2, 2, 3), number, dtype=np.uint8) for number in range(3)]
     first, second = Seen(), Seen(pause=0.08)
     detectors: dict[str, Detector] = {"ball_om": first, "other": second}
-    diaries = run(film, detectors, 0.4)
+    logs = run(sequence, detectors, 0.4)
     assert first.shown == second.shown
-    rows, ball = diaries[LOOP].rows, diaries[BALL].rows
+    rows, ball = logs[LOOP].rows, logs[BALL].rows
     assert [number % 3 for number in rows[:, IMAGE]] == [frame for frame, _ in first.shown]
     assert (np.diff(rows[:, IMAGE]) >= 1).all()
     assert rows[-1, IMAGE] > len(rows) - 1

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from app.commands.serve import _tell
+from app.commands.serve import _log
 
 
 @pytest.mark.timeout(20)
@@ -19,11 +19,11 @@ def test_news_is_dropped_while_the_log_is_full(monkeypatch: pytest.MonkeyPatch) 
     os.set_blocking(writing, True)
     with os.fdopen(writing, "w") as log:
         monkeypatch.setattr(sys, "stderr", log)
-        _tell("web runs again")
+        _log("web runs again")
         os.set_blocking(reading, False)
         with contextlib.suppress(BlockingIOError):
             while os.read(reading, 65536):
                 continue
-        _tell("serve runs again")
+        _log("serve runs again")
         assert os.read(reading, 65536) == b"serve runs again\n"
     os.close(reading)
