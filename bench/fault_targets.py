@@ -1,11 +1,13 @@
-"""The processes that a running service can lose, and when it is complete again, by its database."""
+"""Processes of a running service as targets of fault injection, and the condition that each has recovered.
+
+Everything is read from the service's real-time database; for the page's process, /readyz is asked as well.
+"""
 
 import os
 import signal
 import time
 import urllib.error
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bench.frame_path import VIEWS
 from bench.service import RunningService
@@ -17,37 +19,38 @@ from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.task import Task
 
-WEB_PERIOD_S = 0.5
-"""Of the records of the page's process, which has no period."""
-FRAME_LIMIT_S, OTHERS_LIMIT_S, OTHERS_PERIODS = 1.0, 1.0, 2.0
-PATIENCE_S = 60.0
-LOOK_EVERY_S = 0.005
+PAGE_PERIOD_S = 0.5
+"""A process with a loop of its own serves the page; it counts as a task with this period."""
+FRAME_PATH_LIMIT_S = 1.0
+"""Longest recovery of a process on the frame path that meets the goal."""
+OTHERS_LIMIT_S, OTHERS_PERIODS = 1.0, 2.0
+"""The same for all other processes: so many seconds and periods of the task together."""
+TIMEOUT_S = 60.0
+POLL_EVERY_S = 0.005
 SPARE = "spare-"
-NOT_FRESH = ("proposed_settings",)
-"""Outputs that are written on request, not when a task runs."""
 
 
 @dataclass(frozen=True, slots=True)
 class FaultTarget:
-    """A process that must come back when it is killed or stopped."""
+    """A process that must recover after a fault."""
 
     name: str
     tasks: tuple[Task, ...]
     limit_s: float | None
-    """How soon it must be back [s]; None: no limit."""
+    """Longest recovery that meets the goal; None: there is no goal."""
 
     @property
-    def on_frame_path(self) -> bool:
-        """Is no robot served without it?"""
+    def is_on_frame_path(self) -> bool:
+        """Do the robots' views depend on it?"""
         return any(task.on_frame_path for task in self.tasks)
 
     @property
-    def own_loop(self) -> bool:
-        """Does it run in a loop of its own?"""
+    def serves_page(self) -> bool:
+        """Does it serve the page, in a loop of its own?"""
         return any(task.own_loop for task in self.tasks)
 
 
-class Service:
+class ServiceUnderTest:
     """A running service and its database."""
 
     def __init__(self, running: RunningService, attached: Attached) -> None:
@@ -59,88 +62,91 @@ class Service:
         self.tasks = records.SERVICE.reader(attached.store).value(self._clock.now()).tasks
 
     def targets(self) -> list[FaultTarget]:
-        """Every process that runs all the time, the spares too."""
+        """Every process that runs permanently, spare processes included."""
         return [self._target(row.name) for row in self.processes() if row.state != ProcessState.DONE]
 
     def _target(self, name: str) -> FaultTarget:
         tasks = tuple(task for task in self.tasks if task.process == name)
-        if name.startswith(SPARE):
-            return FaultTarget(name, tasks, None)
-        if any(task.on_frame_path for task in tasks):
-            return FaultTarget(name, tasks, FRAME_LIMIT_S)
-        period_s = max(WEB_PERIOD_S if task.own_loop else task.times.period_s for task in tasks)
-        return FaultTarget(name, tasks, OTHERS_PERIODS * period_s + OTHERS_LIMIT_S)
+        target = FaultTarget(name, tasks, None)
+        if not tasks:  # a spare
+            return target
+        if target.is_on_frame_path:
+            return replace(target, limit_s=FRAME_PATH_LIMIT_S)
+        period_s = PAGE_PERIOD_S if target.serves_page else max(task.times.period_s for task in tasks)
+        return replace(target, limit_s=OTHERS_PERIODS * period_s + OTHERS_LIMIT_S)
 
     def processes(self) -> tuple[ProcessInfo, ...]:
-        """The supervisor's table."""
+        """The supervisor's table of processes."""
         return self._processes.value(self._clock.now()).processes
 
     def process(self, name: str) -> ProcessInfo:
-        """One line of it."""
+        """One row of the supervisor's table."""
         return next(row for row in self.processes() if row.name == name)
 
-    def wait_until_complete(self) -> float:
-        """Wait until every process runs and a spare is warm; how long that took [s]. Raises RuntimeError."""
+    def wait_until_healthy(self) -> float:
+        """Wait until every process runs and at least one spare process is ready. Returns how long that took [s].
+
+        Raises RuntimeError after TIMEOUT_S.
+        """
         began = self._clock.now()
-        while not self._is_complete():
-            if seconds_between(began, self._clock.now()) > PATIENCE_S:
+        while not self._is_healthy():
+            if seconds_between(began, self._clock.now()) > TIMEOUT_S:
                 states = {row.name: row.state for row in self.processes()}
-                raise RuntimeError(f"after {PATIENCE_S:g} s {states} were found; all running was expected")
-            time.sleep(LOOK_EVERY_S)
+                raise RuntimeError(f"after {TIMEOUT_S:g} s {states} were found; all running was expected")
+            time.sleep(POLL_EVERY_S)
         return seconds_between(began, self._clock.now())
 
-    def _is_complete(self) -> bool:
+    def _is_healthy(self) -> bool:
         rows = self.processes()
-        spares = [row.state for row in rows if row.name.startswith(SPARE)]
-        others = [row.state for row in rows if not row.name.startswith(SPARE)]
-        expected = (ProcessState.RUNNING, ProcessState.DONE)
-        return all(state in expected for state in others) and ProcessState.RUNNING in spares
+        spares = [row for row in rows if row.name.startswith(SPARE)]
+        others = [row for row in rows if row not in spares]
+        return all(row.state in (ProcessState.RUNNING, ProcessState.DONE) for row in others) and any(
+            row.state == ProcessState.RUNNING for row in spares
+        )
 
-    def strike(self, target: FaultTarget, how: signal.Signals) -> tuple[Instant, float]:
-        """Send a signal; when that was, and how long it took until the process was back [s], PATIENCE_S at most."""
+    def inject(self, target: FaultTarget, fault: signal.Signals) -> tuple[Instant, float]:
+        """Send a signal to a process and wait until it has recovered, TIMEOUT_S at most.
+
+        Returns when the signal was sent and how long the recovery took [s].
+        """
         pid = self.process(target.name).pid
         assert pid is not None
-        os.kill(pid, how)
-        struck = self._clock.now()
-        while not self._is_back(target, pid, struck) and self._clock.now() - struck < PATIENCE_S * NS_PER_S:
-            time.sleep(LOOK_EVERY_S)
-        return struck, seconds_between(struck, self._clock.now())
+        os.kill(pid, fault)
+        injected = self._clock.now()
+        while not self._has_recovered(target, pid, injected) and self._clock.now() - injected < TIMEOUT_S * NS_PER_S:
+            time.sleep(POLL_EVERY_S)
+        return injected, seconds_between(injected, self._clock.now())
 
-    def _is_back(self, target: FaultTarget, pid: int, struck: Instant) -> bool:
-        """Does a successor do all that it did?"""
+    def _has_recovered(self, target: FaultTarget, pid: int, injected: Instant) -> bool:
+        """Does a successor do the work of the process that had a pid when the fault was injected?"""
         if not target.tasks:
             row = self.process(target.name)
             return row.state == ProcessState.RUNNING and row.pid != pid
-        if not all(self._has_successor(task, pid, struck) for task in target.tasks):
+        if not all(self._has_successor(task, pid, injected) for task in target.tasks):
             return False
-        if target.own_loop:
+        if target.serves_page:
             return self.is_ready()
-        if target.on_frame_path:
+        if target.is_on_frame_path:
             view = self._reader(VIEWS).view()
-            return view is not None and view.measured > struck
-        return all(self._written_since(record, struck) for record in self._outputs(target))
+            return view is not None and view.measured > injected
+        return all(self._was_written_since(record, injected) for task in target.tasks for record in task.writes)
 
-    def _has_successor(self, task: Task, pid: int, struck: Instant) -> bool:
+    def _has_successor(self, task: Task, pid: int, injected: Instant) -> bool:
         item = records.task(task.name)
-        told = item.over_reader(self._reader(item.spec.name)).read(self._clock.now())
-        return told is not None and told.value.pid != pid and told.written > struck
+        reading = item.over_reader(self._reader(item.spec.name)).read(self._clock.now())
+        return reading is not None and reading.value.pid != pid and reading.written > injected
 
-    def _written_since(self, record: str, struck: Instant) -> bool:
+    def _was_written_since(self, record: str, injected: Instant) -> bool:
         reading = self._reader(record).read(self._clock.now())
-        return reading is not None and reading.valid and reading.written > struck
+        return reading is not None and reading.valid and reading.written > injected
 
     def _reader(self, record: str) -> SlotReader:
         if record not in self._readers:
             self._readers[record] = self.attached.store.reader(record)
         return self._readers[record]
 
-    @staticmethod
-    def _outputs(target: FaultTarget) -> Iterator[str]:
-        for task in target.tasks:
-            yield from (record for record in task.writes if record not in NOT_FRESH)
-
     def is_ready(self) -> bool:
-        """Does the page say that the service is ready?"""
+        """Does /readyz answer with status 200?"""
         try:
             return self.running.get("/readyz")[0] == 200
         except (OSError, urllib.error.URLError):

@@ -287,7 +287,7 @@ def _summary(measured: Measured) -> Iterator[Row]:
     ):
         if len(times):
             median = float(np.median(times))
-            yield {"name": name, "value": median, "unit": "us", "twin": whole, "ratio": median / whole}
+            yield {"name": name, "value": median, "unit": "us", "baseline": whole, "ratio": median / whole}
 
 
 def _bins(measured: Measured) -> Iterator[Row]:

@@ -199,6 +199,6 @@ def _row(name: str, took: float, other: float, goal: float | None) -> Row:
         "name": name,
         "value": took * US_PER_S,
         "unit": "us",
-        "twin": other * US_PER_S,
+        "baseline": other * US_PER_S,
         "ratio": took / other,
     } | judged

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.baselines.build import load_twin
+from bench.baselines.build import load_library
 from bench.runner import Row
 from vision_core.blobs.rows import FastSegmenter, least_height_px
 from vision_core.blobs.run_lengths import Segmenter
@@ -140,7 +140,7 @@ def _copy(copy: Bytes, pixels: Bytes) -> int:
 
 def twin_of(scene: Scene) -> tuple[tuple[Way, Table] | None, str]:
     """The classic in C and the table that it fills, or None and why there is none."""
-    library, word = load_twin("segmentation")
+    library, word = load_library("segmentation")
     if library is None:
         return None, word
     camera, chosen = scene.settings.camera, scene.settings.blobs
@@ -205,14 +205,14 @@ def _recall(scene: Scene, ways: Ways, name: str) -> float:
 
 
 def _row(name: str, value: float | None, unit: str) -> Row:
-    return {"name": name, "value": value, "unit": unit, "twin": None, "ratio": None, "goal": None, "met": None}
+    return {"name": name, "value": value, "unit": unit, "baseline": None, "ratio": None, "goal": None, "met": None}
 
 
 def _ratio(name: str, took: float, other: float, goal: float | None) -> Row:
     ratio = took / other
     return {
         **_row(name, took * US_PER_S, "us"),
-        "twin": other * US_PER_S,
+        "baseline": other * US_PER_S,
         "ratio": ratio,
         "goal": None if goal is None else f"<= {goal:.2f}x",
         "met": None if goal is None else ratio <= goal,
