@@ -8,7 +8,6 @@ is measured at its own pace, as in a process of its own, and all of them through
 """
 
 import contextlib
-import random
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -25,11 +24,12 @@ from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.net.batch import Lines
+from vision_core.net.delivery import DeliveryTable, new_rows
 from vision_core.net.udp import SessionSocket
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.messages import Init
+from vision_core.protocol.options import PAPER_OPTIONS
 from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
@@ -84,9 +84,10 @@ class Loop:
         sessions = [SessionSocket(server, "127.0.0.1", (*one.getsockname(), 0)) for one in self._sockets]
         for session in sessions:
             stack.callback(session.close)
-        self._lines = Lines(Instant(0), random.Random(1))
-        rows = self._lines.resize(len(sessions))
-        rows["descriptor"], rows["tick_ns"] = [session.fileno() for session in sessions], NS_PER_S // 1000
+        self._deliveries = DeliveryTable(Instant(0), seed=1)
+        self._deliveries.replace(new_rows(len(sessions)))
+        for row, session in enumerate(sessions):
+            self._deliveries.address(row, session.fileno(), PAPER_OPTIONS)
         self._number = 0
 
     def turn(self, frame: int) -> tuple[float, ...]:
@@ -98,9 +99,9 @@ class Loop:
         perceived = time.perf_counter()
         world = self._tracker.update(seen)
         tracked = time.perf_counter()
-        batch = self._messages.write(world, self._clients, self._lines.due(at))
+        batch = self._messages.write(world, self._clients, self._deliveries.due(at))
         written = time.perf_counter()
-        self._lines.send(at, batch)
+        self._deliveries.send(at, batch)
         return began, perceived, tracked, written, time.perf_counter()
 
     def drain(self) -> int:

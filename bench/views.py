@@ -19,7 +19,7 @@ from bench.baselines.build import load_library
 from bench.runner import Row
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes
-from vision_core.net.batch import Batch
+from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import SLOT
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.messages import Init

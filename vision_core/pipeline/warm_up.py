@@ -1,6 +1,5 @@
 """Uses every kernel once, so that it is compiled (or loaded) before a frame waits for it."""
 
-import random
 import sys
 
 import msgspec
@@ -9,7 +8,7 @@ import numpy as np
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.net.batch import Batch, Lines
+from vision_core.net.delivery import Batch, DeliveryTable
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import Messages
@@ -40,10 +39,10 @@ def views(settings: Settings) -> None:
     )
     seen = Sightings("", 1, Instant(1), Instant(1), robots, (BallSighting(0.0, 0.0, 0.3, 0.2, 1.0, 0.001),), True)
     world = Tracker(settings.tracks, settings.robots).update(SightingsTable.of(seen), obstacle_table(()))
-    messages, lines = Messages(settings, Instant(0)), Lines(Instant(0), random.Random(0))  # noqa: S311 (of no client)
+    messages, deliveries = Messages(settings, Instant(0)), DeliveryTable(Instant(0))
     messages.write(world, ())
-    lines.due(Instant(1))
-    lines.send(Instant(1), Batch.of(()))
+    deliveries.due(Instant(1))
+    deliveries.send(Instant(1), Batch.of(()))
 
 
 def camera(settings: Settings) -> None:
