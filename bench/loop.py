@@ -1,10 +1,10 @@
-"""The whole loop, pixels to sent datagrams, against the classic segmentation of the same frames alone.
+"""The whole loop, pixels to sent datagrams, against the reference segmentation of the same frames alone.
 
-Distinct frames of a simulated match (said in the output how many), rendered beforehand and looped: each is perceived
-(windows round what was there, strip, whole frame when something is missing), tracked, seen through every robot's eyes,
+Distinct frames of a simulated match (the output says how many), rendered beforehand and looped: each is perceived
+(windows round what was there, scan band, whole frame when something is missing), tracked, seen from every robot,
 written for every client and sent over loopback, one socket per client, in one process and thread, as the service's two
-processes do it one after the other. The classic, and its twin in C, take turns with the loop, in blocks of frames: each
-is measured at its own pace, as in a process of its own, and all of them through the same minutes.
+processes do it one after the other. The reference, and its twin in C, take turns with the loop in blocks of frames:
+each is measured at its own pace, as in a process of its own, and all of them during the same minutes.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ from bench.accuracy import TEAMS, settings_of
 from bench.runner import Row
 from bench.segmentation import Scene as SegmentScene
 from bench.segmentation import twin_of
-from vision_core.blobs.run_lengths import Segmenter
+from bench.segmenters import ReferenceSegmenter
 from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
@@ -36,7 +36,7 @@ from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 
 CASES = {("640x480", 10): 0.5, ("1280x1024", 10): 0.2, ("2048x1536", 22): None, ("1280x1024", 22): None}
-"""Size and robots: the most that the loop may take, as a share of the classic segmentation alone."""
+"""Size and robots: the most that the loop may take, as a share of the reference segmentation alone."""
 FRAMES = {"640x480": 400, "1280x1024": 200, "2048x1536": 80}
 ROUNDS, BLOCK, WARM = 4, 40, 5
 """Times that all frames are looped; frames in a block, and those at its beginning that are not counted."""
@@ -138,10 +138,10 @@ def _client(stack: contextlib.ExitStack) -> socket.socket:
 
 def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     camera, table = loop.settings.camera, loop.perception.table
-    classic = Segmenter(camera.width_px, camera.height_px, loop.settings.blobs)
-    candidates = loop.perception.eyes.candidates
-    twin, _ = twin_of(SegmentScene(loop.settings, table, candidates, loop.frames, [], 1))
-    ways: dict[str, Callable[[int], object]] = {"classic": lambda frame: classic.segment(loop.frames[frame], table)}
+    reference = ReferenceSegmenter(camera.width_px, camera.height_px, loop.settings.blobs)
+    prefilter = loop.perception.eyes.prefilter
+    twin, _ = twin_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
+    ways: dict[str, Callable[[int], object]] = {"reference": lambda frame: reference.segment(loop.frames[frame], table)}
     if twin is not None:
         ways["C"] = twin[0]
     stamps: list[tuple[float, ...]] = []
@@ -158,11 +158,11 @@ def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
             alone[way] += [_seconds(call, frame) for frame in frames][WARM:]
     took = np.diff(np.array(stamps), axis=1)
     whole = float(np.median(took.sum(axis=1)))
-    classic_s = float(np.median(alone["classic"]))
-    rows: list[Row] = [_row(f"{name}: pixels to sent, classic segmentation alone", whole, classic_s, goal)]
+    reference_s = float(np.median(alone["reference"]))
+    rows: list[Row] = [_row(f"{name}: pixels to sent, reference segmentation alone", whole, reference_s, goal)]
     if "C" in alone:
         in_c = float(np.median(alone["C"]))
-        rows.append(_row(f"{name}: pixels to sent, classic segmentation in C alone", whole, in_c, None))
+        rows.append(_row(f"{name}: pixels to sent, reference segmentation in C alone", whole, in_c, None))
     for stage, seconds in zip(STAGES, np.median(took, axis=0).tolist(), strict=True):
         rows.append({"name": f"{name}: {stage}", "value": seconds * US_PER_S, "unit": "us"})
     rows.append({"name": f"{name}: datagrams per frame", "value": round(sent / (ROUNDS * count), 2), "unit": ""})

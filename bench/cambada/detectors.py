@@ -7,8 +7,8 @@ from typing import Protocol, TypeAlias
 import numpy as np
 
 from bench.cambada.profiles import Strip, normals
-from vision_core.blobs.growing import color_of_classes, color_of_seed
-from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
+from bench.region_growing.region import color_of_classes, color_of_seed
+from bench.region_growing.tracker import GrowingLimits, GrowingTracker
 from vision_core.capture.synthetic.floor import COLORS, NET_LEFT, NET_RIGHT
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
