@@ -1,15 +1,20 @@
-"""The benchmarks behind every published figure. ``python -m bench`` runs all, ``python -m bench NAME`` one.
+"""The benchmarks behind every published figure. ``python -m bench --help`` lists them, one line each.
 
-What is seen: ``accuracy`` scores the pipeline against the truth of the synthetic camera. What it costs:
-``segmentation``, ``loop``, ``views``, ``fanout`` and ``growing``, against programs of our own in C where there is a
-compiler (``twins``).
+A benchmark is a module with ``run()`` that returns rows for the table (``runner``): a value, its unit, the value of a
+baseline measured in the same run, their ratio, and the goal. Baselines in C are compiled where there is a compiler
+(``baselines``); without one their rows are left out.
 
-The real-time core: ``torn`` tries to read what is half written; ``scheduling`` repeats the CAMBADA paper's experiment;
-``activation`` holds tasks of the running service against a C program's; ``handover`` measures from a frame to its last
-datagram; ``dashboards`` whether pages delay it; ``pauses`` whether Python does. The whole service: ``clients`` runs it
-with ten clients written from the paper's text; ``faults`` kills and stops its processes one by one.
+Accuracy of the pipeline against the ground truth of the simulated camera: ``accuracy``.
 
-What stands beside a measurement as a process of its own: ``companions`` starts it; ``receiver`` is all clients,
-``pages`` all pages, ``stamps`` and ``freshness`` look into the database, ``sleeper`` shows when the machine stood
-still.
+Cost of the pipeline's stages: ``segmentation``, ``loop`` (all stages), ``views``, ``udp_send``, ``growing``.
+
+Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA paper's experiment, with ``cambada``),
+``activation``, ``handover``, ``dashboards``, ``gc_pauses``.
+
+The whole service: ``clients``, ``faults`` (with ``fault_targets`` and ``shutdown``).
+
+Shared parts: ``service`` starts the real service, ``pictures`` gives it a fast camera, ``load`` keeps all cores busy,
+``charts`` draws histograms. Helper processes run beside a measurement (``helpers``): ``receiver`` is all clients,
+``pages`` all web pages, ``record_timestamps`` and ``freshness`` read the database, ``stall_detector`` shows when the
+machine stood still.
 """

@@ -1,18 +1,25 @@
-"""``python -m bench [NAME ...] [--json]``: runs benchmarks, see ``bench.runner``."""
+"""``python -m bench [NAME ...] [--json]`` runs the named benchmarks, or all without a name."""
 
 import argparse
 
-from bench.runner import BENCHMARKS, run_all
+from bench.runner import BENCHMARKS, run_all, summary_of
 
 
 def main() -> None:
-    """Run the named benchmarks, all without a name."""
-    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS))
-    parser.add_argument("--json", action="store_true", help="one line of JSON per benchmark")
+    """Parse the command line and run the benchmarks."""
+    width = max(map(len, BENCHMARKS))
+    listing = "\n".join(f"  {name:<{width}}  {summary_of(name)}" for name in BENCHMARKS)
+    parser = argparse.ArgumentParser(
+        prog="python -m bench",
+        description=__doc__,
+        epilog=f"benchmarks:\n{listing}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="a benchmark of the list below")
+    parser.add_argument("--json", action="store_true", help="print one line of JSON per benchmark")
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in BENCHMARKS]:
-        parser.error(f"no benchmark {unknown[0]!r}; there are {', '.join(BENCHMARKS)}")
+        parser.error(f"no benchmark {unknown[0]!r}; accepted: {', '.join(BENCHMARKS)}")
     run_all(tuple(arguments.names), as_json=arguments.json)
 
 

@@ -1,7 +1,7 @@
-"""Task of the benchmark ``activation``: notes when it is called, in a file that outlives it.
+"""The task that ``activation`` measures: it records when it is called, in a file that outlives its process.
 
-The file lies in the folder that PSLV_BENCH_FOLDER names and has the task's name: int64, the first how many there are,
-then the instants [ns of CLOCK_MONOTONIC].
+The file has the task's name and lies in the folder that PSLV_BENCH_FOLDER names. It holds int64: how many instants
+follow, then the instants [ns of CLOCK_MONOTONIC].
 """
 
 import mmap
@@ -16,29 +16,29 @@ from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import RAN, Release, StepResult
 
 FOLDER = "PSLV_BENCH_FOLDER"
-ROOM = 100_000
-"""Begins in a file: 80 minutes of 50 ms."""
-WORD = 8
+MAX_ACTIVATIONS = 100_000
+"""In a file: 80 minutes at 50 ms. Later ones are not recorded."""
+WORD_BYTES = 8
 
 
 def start(handle: Handle) -> Step:
-    """Make the file and touch all of it."""
+    """Make the file and map it; writing all of it avoids page faults later."""
     path = Path(os.environ[FOLDER]) / handle.task.name
-    path.write_bytes(bytes(WORD * (ROOM + 1)))
+    path.write_bytes(bytes(WORD_BYTES * (MAX_ACTIVATIONS + 1)))
     with path.open("r+b") as file:
-        begins = memoryview(mmap.mmap(file.fileno(), 0)).cast("q")
+        words = memoryview(mmap.mmap(file.fileno(), 0)).cast("q")
 
     def step(_release: Release) -> StepResult:
         now = time.monotonic_ns()
-        if begins[0] < ROOM:
-            begins[begins[0] + 1] = now
-            begins[0] += 1
+        if words[0] < MAX_ACTIVATIONS:
+            words[words[0] + 1] = now
+            words[0] += 1
         return RAN
 
     return step
 
 
-def begins_of(path: Path) -> NDArray[np.int64]:
-    """What a task has noted so far [ns of CLOCK_MONOTONIC]."""
-    noted = np.fromfile(path, dtype=np.int64)
-    return noted[1 : 1 + noted[0]]
+def activations_of(path: Path) -> NDArray[np.int64]:
+    """All instants that a task has recorded so far, shape (n,) [ns of CLOCK_MONOTONIC]."""
+    words = np.fromfile(path, dtype=np.int64)
+    return words[1 : 1 + words[0]]

@@ -1,8 +1,12 @@
-"""Ten clients written from the paper's text, on the demo, for a minute.
+"""What ten clients of the running service receive within a minute.
 
-Beside them a sleeper on each core asks for 1 ms again and again: when the machine stands still, it shows
-that the machine did. A frame that a client misses is our own fault unless a sleeper overslept by 10 ms or
-more at the same moment.
+Setup: the service on its simulated camera at 30 Hz, and ten processes that follow the paper's text alone
+(``paper_client``). There is no baseline.
+
+For each client: messages per second, messages that do not have the paper's form (0 is expected), whether Time strictly
+increases, and skipped frames. A stall detector runs on each core: a frame that was skipped while a core stalled for
+10 ms or more is attributed to the machine, every other one to the service. Then the service's own figures: its lag from
+grab to datagram [ms], and the frames that its tasks missed.
 """
 
 import itertools
@@ -14,60 +18,64 @@ import time
 from pathlib import Path
 from typing import Any
 
+from bench.runner import Row
 from bench.service import RunningService, running_service
+from vision_core.clock import MS_PER_S
 
 PAPER_CLIENT = Path(__file__).with_name("paper_client.py")
-SLEEPER = Path(__file__).with_name("sleeper.py")
+STALL_DETECTOR = Path(__file__).with_name("stall_detector.py")
 PERIOD_S = 1.0 / 30.0
 STALL_S = 0.010
-NEAR_S = 0.1
-"""A stall so long before a missing frame was due still explains it."""
-
+BEFORE_FRAME_S = 0.1
+"""A stall that ended so long before a skipped frame was due still explains it."""
 BEFORE_END_S = 1.0
-"""The server is asked for its lags while everybody is served: without clients it has none."""
+"""The status is read so long before the clients end: without clients the service has no lags."""
 
 Report = dict[str, Any]
 
 
-def run(seconds: float = 60.0) -> list[dict[str, Any]]:
-    """Start the service and ten clients; returns the rows of the table."""
+def run(seconds: float = 60.0) -> list[Row]:
+    """Start the service and ten clients for some seconds."""
     with running_service() as service:
-        sleepers = Sleepers()
+        detectors = StallDetectors()
         clients = [_client(service, team, number, seconds) for team in ("blue", "yellow") for number in range(1, 6)]
         time.sleep(seconds - BEFORE_END_S)
         status, tasks = service.get("/api/v1/status")[1], service.get("/api/v1/tasks")[1]
         boot_s = time.monotonic() - status["uptime_s"]
         reports = [json.loads(client.communicate()[0]) for client in clients]
-        sleepers.stop()
-    rows = [row for report in reports for row in _client_rows(report, sleepers, boot_s)]
-    return [*rows, *sleepers.rows(), *_status_rows(status, tasks)]
+        detectors.stop()
+    rows = [row for report in reports for row in _client_rows(report, detectors, boot_s)]
+    return [*rows, *detectors.rows(), *_status_rows(status, tasks)]
 
 
-class Sleepers:
-    """One on each core; see ``bench/sleeper.py``."""
+class StallDetectors:
+    """One stall detector on each core; see ``bench/stall_detector.py``."""
 
     def __init__(self) -> None:
-        self._processes = [_started(SLEEPER, str(core)) for core in sorted(os.sched_getaffinity(0))]
+        self._processes = [_started(STALL_DETECTOR, str(core)) for core in sorted(os.sched_getaffinity(0))]
         self.reports: list[Report] = []
 
     def stop(self) -> None:
-        """End their sleep and take their reports."""
+        """End them and collect their reports."""
         self.reports = [json.loads(process.communicate()[0]) for process in self._processes]
 
-    def stood_still_between(self, start_s: float, end_s: float) -> bool:
-        """Did a core stand still at any time in between [s of the monotonic clock]?"""
-        naps = [nap for report in self.reports for nap in report["overslept"]]
-        return any(late > STALL_S and woke > start_s and woke - late < end_s for woke, late in naps)
+    def has_stalled_between(self, start_s: float, end_s: float) -> bool:
+        """Did any core stall between two instants [s of CLOCK_MONOTONIC]?"""
+        late_wakeups = [wakeup for report in self.reports for wakeup in report["late"]]
+        return any(late_s > STALL_S and woke > start_s and woke - late_s < end_s for woke, late_s in late_wakeups)
 
-    def rows(self) -> list[dict[str, Any]]:
-        """How late they woke."""
-        rows: list[dict[str, Any]] = []
+    def rows(self) -> list[Row]:
+        """How often each core was asked, and how late it woke the detector."""
+        rows: list[Row] = []
         for core, report in enumerate(self.reports):
-            late = [late for _, late in report["overslept"]]
-            name = f"sleeper on core {core} ({report['policy']}), 1 ms"
-            rows.append({"name": f"{name}: naps", "value": report["naps"], "unit": ""})
-            rows.append({"name": f"{name}: latest", "value": round(max(late, default=0.0) * 1e3, 1), "unit": "ms"})
-            rows.append({"name": f"{name}: over 10 ms late", "value": sum(v > STALL_S for v in late), "unit": "times"})
+            late_s = [late for _, late in report["late"]]
+            name = f"stall detector on core {core} ({report['policy']}), sleeps of 1 ms"
+            latest_ms = round(max(late_s, default=0.0) * MS_PER_S, 1)
+            rows.append({"name": f"{name}: count", "value": report["sleeps"], "unit": ""})
+            rows.append({"name": f"{name}: latest wake-up", "value": latest_ms, "unit": "ms"})
+            rows.append(
+                {"name": f"{name}: over 10 ms late", "value": sum(late > STALL_S for late in late_s), "unit": ""}
+            )
         return rows
 
 
@@ -81,33 +89,35 @@ def _started(script: Path, *arguments: str) -> "subprocess.Popen[str]":
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
-def _client_rows(report: Report, sleepers: Sleepers, boot_s: float) -> list[dict[str, Any]]:
-    ours, machine = 0, 0
+def _client_rows(report: Report, detectors: StallDetectors, boot_s: float) -> list[Row]:
+    by_service, by_machine = 0, 0
     for before, after in itertools.pairwise(report["times"]):
         skipped = round((after - before) / PERIOD_S) - 1
-        if sleepers.stood_still_between(boot_s + before - NEAR_S, boot_s + after):
-            machine += skipped
+        if detectors.has_stalled_between(boot_s + before - BEFORE_FRAME_S, boot_s + after):
+            by_machine += skipped
         else:
-            ours += skipped
+            by_service += skipped
     name = f"{report['team']} {report['number']}"
     return [
         {"name": f"{name}: messages", "value": round(report["per_second"], 2), "unit": "1/s"},
-        {"name": f"{name}: not of the paper's form", "value": report["wrong_form"], "unit": ""},
+        {"name": f"{name}: messages not of the paper's form", "value": report["wrong_form"], "unit": ""},
         {"name": f"{name}: Time strictly increases", "value": report["increasing"], "unit": ""},
-        {"name": f"{name}: frames skipped, our fault", "value": ours, "unit": ""},
-        {"name": f"{name}: frames skipped, machine stood still", "value": machine, "unit": ""},
+        {"name": f"{name}: frames skipped by the service", "value": by_service, "unit": ""},
+        {"name": f"{name}: frames skipped while the machine stalled", "value": by_machine, "unit": ""},
     ]
 
 
-def _status_rows(status: Report, tasks: list[Report]) -> list[dict[str, Any]]:
-    """What the service says of itself."""
+def _status_rows(status: Report, tasks: list[Report]) -> list[Row]:
+    """The service's own figures."""
     lag = status["lags"]["server"] or {}
-    rows = [{"name": f"server's lag, {key[:-3]}", "value": round(lag[key], 2), "unit": "ms"} for key in sorted(lag)]
+    rows = [
+        {"name": f"lag of the server, {key[:-3]}", "value": round(lag[key], 2), "unit": "ms"} for key in sorted(lag)
+    ]
     missed = {task["name"]: task["missed"] for task in tasks}
     return [
         *rows,
         *(
-            {"name": f"frames missed by {name}, as it says", "value": missed[name], "unit": ""}
+            {"name": f"frames missed by {name}, as /api/v1/tasks says", "value": missed[name], "unit": ""}
             for name in ("capture", "perceive", "serve")
         ),
     ]

@@ -1,11 +1,13 @@
-"""What can be taken from a running service, and when it is whole again: as its database tells."""
+"""Processes of a running service as targets of fault injection, and the condition that each has recovered.
+
+Everything is read from the service's real-time database; for the page's process, /readyz is asked as well.
+"""
 
 import os
 import signal
 import time
 import urllib.error
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bench.frame_path import VIEWS
 from bench.service import RunningService
@@ -13,37 +15,42 @@ from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
 from vision_core.net.control import Attached
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
+from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.slots import SlotReader
 from vision_core.rtdb.task import Task
-from vision_core.tasks.table import task_table
 
-FRAME_TASKS = ("source", "capture", "perceive", "serve")
-WEB, WEB_PERIOD_S = "web", 0.5
-FRAME_LIMIT_S, OTHERS_LIMIT_S, OTHERS_PERIODS = 1.0, 1.0, 2.0
-PATIENCE_S = 60.0
-LOOK_EVERY_S = 0.005
-RUNNING, DONE = "running", "done"
+PAGE_PERIOD_S = 0.5
+"""A process with a loop of its own serves the page; it counts as a task with this period."""
+FRAME_PATH_LIMIT_S = 1.0
+"""Longest recovery of a process on the frame path that meets the goal."""
+OTHERS_LIMIT_S, OTHERS_PERIODS = 1.0, 2.0
+"""The same for all other processes: so many seconds and periods of the task together."""
+TIMEOUT_S = 60.0
+POLL_EVERY_S = 0.005
 SPARE = "spare-"
-NOT_FRESH = ("proposed_settings",)
-"""Outputs that are written when somebody wants something, not when a task runs."""
 
 
 @dataclass(frozen=True, slots=True)
-class Victim:
-    """A process that is to come back."""
+class FaultTarget:
+    """A process that must recover after a fault."""
 
     name: str
     tasks: tuple[Task, ...]
     limit_s: float | None
-    """How soon it is to be back; None: nobody waits for it."""
+    """Longest recovery that meets the goal; None: there is no goal."""
 
     @property
-    def on_the_way(self) -> bool:
-        """Do robots' views go through it?"""
-        return self.name in FRAME_TASKS
+    def is_on_frame_path(self) -> bool:
+        """Do the robots' views depend on it?"""
+        return any(task.on_frame_path for task in self.tasks)
+
+    @property
+    def serves_page(self) -> bool:
+        """Does it serve the page, in a loop of its own?"""
+        return any(task.own_loop for task in self.tasks)
 
 
-class Service:
+class ServiceUnderTest:
     """A running service and its database."""
 
     def __init__(self, running: RunningService, attached: Attached) -> None:
@@ -52,91 +59,94 @@ class Service:
         self._clock = MonotonicClock()
         self._processes = records.PROCESSES.reader(attached.store)
         self._readers: dict[str, SlotReader] = {}
-        settings = records.SERVICE.reader(attached.store).value(self._clock.now()).settings
-        self.tasks = task_table(settings)
+        self.tasks = records.SERVICE.reader(attached.store).value(self._clock.now()).tasks
 
-    def victims(self) -> list[Victim]:
-        """Every process that runs all the time, the spares too."""
-        return [self._victim(row.name) for row in self.processes() if row.state != DONE]
+    def targets(self) -> list[FaultTarget]:
+        """Every process that runs permanently, spare processes included."""
+        return [self._target(row.name) for row in self.processes() if row.state != ProcessState.DONE]
 
-    def _victim(self, name: str) -> Victim:
+    def _target(self, name: str) -> FaultTarget:
         tasks = tuple(task for task in self.tasks if task.process == name)
-        if name.startswith(SPARE):
-            return Victim(name, tasks, None)
-        if name in FRAME_TASKS:
-            return Victim(name, tasks, FRAME_LIMIT_S)
-        period_s = WEB_PERIOD_S if name == WEB else max(task.times.period_s for task in tasks)
-        return Victim(name, tasks, OTHERS_PERIODS * period_s + OTHERS_LIMIT_S)
+        target = FaultTarget(name, tasks, None)
+        if not tasks:  # a spare
+            return target
+        if target.is_on_frame_path:
+            return replace(target, limit_s=FRAME_PATH_LIMIT_S)
+        period_s = PAGE_PERIOD_S if target.serves_page else max(task.times.period_s for task in tasks)
+        return replace(target, limit_s=OTHERS_PERIODS * period_s + OTHERS_LIMIT_S)
 
     def processes(self) -> tuple[ProcessInfo, ...]:
-        """The supervisor's table."""
+        """The supervisor's table of processes."""
         return self._processes.value(self._clock.now()).processes
 
     def process(self, name: str) -> ProcessInfo:
-        """One line of it."""
+        """One row of the supervisor's table."""
         return next(row for row in self.processes() if row.name == name)
 
-    def wait_until_whole(self) -> float:
-        """Wait until every process runs and a spare is warm; how long that took [s]. Raises RuntimeError."""
+    def wait_until_healthy(self) -> float:
+        """Wait until every process runs and at least one spare process is ready. Returns how long that took [s].
+
+        Raises RuntimeError after TIMEOUT_S.
+        """
         began = self._clock.now()
-        while not self._whole():
-            if seconds_between(began, self._clock.now()) > PATIENCE_S:
+        while not self._is_healthy():
+            if seconds_between(began, self._clock.now()) > TIMEOUT_S:
                 states = {row.name: row.state for row in self.processes()}
-                raise RuntimeError(f"after {PATIENCE_S:g} s {states} were found; all running was expected")
-            time.sleep(LOOK_EVERY_S)
+                raise RuntimeError(f"after {TIMEOUT_S:g} s {states} were found; all running was expected")
+            time.sleep(POLL_EVERY_S)
         return seconds_between(began, self._clock.now())
 
-    def _whole(self) -> bool:
+    def _is_healthy(self) -> bool:
         rows = self.processes()
         spares = [row for row in rows if row.name.startswith(SPARE)]
         others = [row for row in rows if row not in spares]
-        return all(row.state in (RUNNING, DONE) for row in others) and any(row.state == RUNNING for row in spares)
+        return all(row.state in (ProcessState.RUNNING, ProcessState.DONE) for row in others) and any(
+            row.state == ProcessState.RUNNING for row in spares
+        )
 
-    def strike(self, victim: Victim, how: signal.Signals) -> tuple[Instant, float]:
-        """Send a signal; when that was, and how long it took until the process was back [s], PATIENCE_S at most."""
-        pid = self.process(victim.name).pid
+    def inject(self, target: FaultTarget, fault: signal.Signals) -> tuple[Instant, float]:
+        """Send a signal to a process and wait until it has recovered, TIMEOUT_S at most.
+
+        Returns when the signal was sent and how long the recovery took [s].
+        """
+        pid = self.process(target.name).pid
         assert pid is not None
-        os.kill(pid, how)
-        struck = self._clock.now()
-        while not self._is_back(victim, pid, struck) and self._clock.now() - struck < PATIENCE_S * NS_PER_S:
-            time.sleep(LOOK_EVERY_S)
-        return struck, seconds_between(struck, self._clock.now())
+        os.kill(pid, fault)
+        injected = self._clock.now()
+        while not self._has_recovered(target, pid, injected) and self._clock.now() - injected < TIMEOUT_S * NS_PER_S:
+            time.sleep(POLL_EVERY_S)
+        return injected, seconds_between(injected, self._clock.now())
 
-    def _is_back(self, victim: Victim, pid: int, struck: Instant) -> bool:
-        """Does a successor do all that it did?"""
-        if not victim.tasks:
-            row = self.process(victim.name)
-            return row.state == RUNNING and row.pid != pid
-        if not all(self._has_successor(task, pid, struck) for task in victim.tasks):
+    def _has_recovered(self, target: FaultTarget, pid: int, injected: Instant) -> bool:
+        """Does a successor do the work of the process that had a pid when the fault was injected?"""
+        if not target.tasks:
+            row = self.process(target.name)
+            return row.state == ProcessState.RUNNING and row.pid != pid
+        if not all(self._has_successor(task, pid, injected) for task in target.tasks):
             return False
-        if victim.name == WEB:
+        if target.serves_page:
             return self.is_ready()
-        if victim.on_the_way:
+        if target.is_on_frame_path:
             view = self._reader(VIEWS).view()
-            return view is not None and view.measured > struck
-        return all(self._written_since(record, struck) for record in self._outputs(victim))
+            return view is not None and view.measured > injected
+        return all(self._was_written_since(record, injected) for task in target.tasks for record in task.writes)
 
-    def _has_successor(self, task: Task, pid: int, struck: Instant) -> bool:
+    def _has_successor(self, task: Task, pid: int, injected: Instant) -> bool:
         item = records.task(task.name)
-        told = item.over_reader(self._reader(item.spec.name)).read(self._clock.now())
-        return told is not None and told.value.pid != pid and told.written > struck
+        reading = item.over_reader(self._reader(item.spec.name)).read(self._clock.now())
+        return reading is not None and reading.value.pid != pid and reading.written > injected
 
-    def _written_since(self, record: str, struck: Instant) -> bool:
+    def _was_written_since(self, record: str, injected: Instant) -> bool:
         reading = self._reader(record).read(self._clock.now())
-        return reading is not None and reading.valid and reading.written > struck
+        return reading is not None and reading.valid and reading.written > injected
 
     def _reader(self, record: str) -> SlotReader:
         if record not in self._readers:
             self._readers[record] = self.attached.store.reader(record)
         return self._readers[record]
 
-    @staticmethod
-    def _outputs(victim: Victim) -> Iterator[str]:
-        for task in victim.tasks:
-            yield from (record for record in task.writes if record not in NOT_FRESH)
-
     def is_ready(self) -> bool:
-        """Does the page say that the service is ready?"""
+        """Does /readyz answer with status 200?"""
         try:
             return self.running.get("/readyz")[0] == 200
         except (OSError, urllib.error.URLError):

@@ -1,11 +1,16 @@
-"""Is anything stale served as fresh? Reads every record of a running service 100 times a second and doubts it.
+"""Helper process: checks that a running service never presents a stale value as valid.
 
     python -m bench.freshness SERVICE        until standard input ends
 
-What a read calls valid must be as young as its record's validity says, by the slot's own stamp and a clock of ours; it
-must not come from the future; no record may go back. And what tells of a frame (sightings, world, views) must tell of
-one that capture has published: a process that came back may not give out again what its predecessor knew. Prints JSON:
-{"policy", "reads", "valid", "wrong": what was found to be so, at most a hundred}.
+It reads every record 100 times a second and checks each reading independently:
+
+- A reading may be called valid only while its age, from the slot's own timestamp and this process's clock, is within
+  the record's validity.
+- No timestamp lies in the future, and no record's sequence number decreases.
+- A valid sighting, world or view belongs to a frame that capture has published. A restarted process must not write
+  results of its predecessor again.
+
+Prints JSON: {"policy", "reads", "valid", "violations": at most 100 sentences}.
 """
 
 import json
@@ -13,96 +18,98 @@ import sys
 import time
 
 from bench.frame_path import FRAMES, SIGHTINGS, VIEWS
-from bench.helpers import READY, keep_time, told_to_end
-from bench.record_timestamps import History, stamp_of
+from bench.helpers import READY, has_stdin_ended, request_realtime
+from bench.record_timestamps import WriteHistory, timestamps_of
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock
 from vision_core.net.control import attach_to
 from vision_core.rtdb.slots import Reading, SlotReader
 from vision_core.rtdb.store import Store
 
-LOOK_EVERY_S = 0.01
+POLL_EVERY_S = 0.01
 PRIORITY = 10
-"""Below every task that has one."""
-OF_FRAMES = (SIGHTINGS, "world", VIEWS)
-UNSURE_S = 1.0
-"""After a frame's stamp was lost, since a look came too late."""
-MAX_TOLD = 100
+"""Lower than that of every real-time task of the service."""
+FRAME_RECORDS = (SIGHTINGS, "world", VIEWS)
+"""Records whose values belong to one frame each."""
+UNKNOWN_FRAMES_S = 1.0
+"""After a frame's timestamp was missed, values of unknown frames are accepted for so long."""
+MAX_REPORTED = 100
 
 
-class Doubter:
-    """Looks at every record but the images, of which it keeps the stamps."""
+class FreshnessChecker:
+    """Reads every record; of the images it reads the timestamps only."""
 
     def __init__(self, store: Store) -> None:
         self._clock = MonotonicClock()
         self._readers = {name: store.reader(name) for name in store.specs if name != FRAMES}
         self._newest = dict.fromkeys(self._readers, 0)
-        self._frames = History(store.reader(FRAMES))
-        self._frames.look()
-        self._published: dict[int, int] = {}
-        self._unsure_until = self._clock.now() + round(UNSURE_S * NS_PER_S)
+        self._frames = WriteHistory(store.reader(FRAMES))
+        self._frames.poll()
+        self._published: set[int] = set()
+        """When each frame that capture has published was measured [ns of CLOCK_MONOTONIC]."""
+        self._incomplete_until = self._clock.now() + round(UNKNOWN_FRAMES_S * NS_PER_S)
         self.reads = self.valid = 0
-        self.wrong: list[str] = []
+        self.violations: list[str] = []
 
-    def look(self) -> None:
-        """Read everything once."""
+    def poll(self) -> None:
+        """Read and check every record once."""
         readings = [
             (name, now, reading)
             for name, reader in self._readers.items()
             if (reading := reader.read(now := self._clock.now())) is not None
         ]
-        self._look_at_frames()
+        self._poll_frames()
         for name, now, reading in readings:
             self.reads += 1
             self.valid += reading.valid
-            self._doubt(name, now, reading)
+            self._check(name, now, reading)
 
-    def _look_at_frames(self) -> None:
-        lost = self._frames.lost
-        self._frames.look()
-        if self._frames.lost > lost:
-            self._unsure_until = self._clock.now() + round(UNSURE_S * NS_PER_S)
-        self._published.update(self._frames.stamps)
-        self._frames.stamps.clear()
+    def _poll_frames(self) -> None:
+        missed = self._frames.missed
+        self._frames.poll()
+        if self._frames.missed > missed:
+            self._incomplete_until = self._clock.now() + round(UNKNOWN_FRAMES_S * NS_PER_S)
+        self._published.update(measured for measured, _ in self._frames.timestamps)
+        self._frames.timestamps.clear()
 
-    def _doubt(self, name: str, now: Instant, reading: Reading) -> None:
+    def _check(self, name: str, now: Instant, reading: Reading) -> None:
         reader, sequence = self._readers[name], reading.sequence
         if sequence < self._newest[name]:
-            self._tell(f"{name} went back from {self._newest[name]} to {sequence}")
+            self._report(f"{name} went back from {self._newest[name]} to {sequence}")
         self._newest[name] = sequence
-        stamp = stamp_of(reader, sequence)
-        if stamp is None:  # written over meanwhile
+        timestamps = timestamps_of(reader, sequence)
+        if timestamps is None:  # overwritten since it was read
             return
-        measured, written = stamp
+        measured, written = timestamps
         if max(measured, written) > self._clock.now():
-            self._tell(f"{name} {sequence} comes from the future: measured {measured}, written {written}")
+            self._report(f"{name} {sequence} lies in the future: measured {measured}, written {written}")
         if reading.valid != is_fresh(reader, measured, now):
-            self._tell(
-                f"{name} {sequence} is called {'' if reading.valid else 'in'}valid at {now}, measured {measured}"
-            )
-        known = measured in self._published or self._clock.now() < self._unsure_until
-        if name in OF_FRAMES and reading.valid and not known:
-            self._tell(f"{name} {sequence} tells of a frame of {measured}, which was never published")
+            validity = "valid" if reading.valid else "invalid"
+            self._report(f"{name} {sequence} is called {validity} at {now}, measured {measured}")
+        known = measured in self._published or self._clock.now() < self._incomplete_until
+        if name in FRAME_RECORDS and reading.valid and not known:
+            self._report(f"{name} {sequence} belongs to a frame of {measured}, which was never published")
 
-    def _tell(self, what: str) -> None:
-        if len(self.wrong) < MAX_TOLD:
-            self.wrong.append(what)
+    def _report(self, violation: str) -> None:
+        if len(self.violations) < MAX_REPORTED:
+            self.violations.append(violation)
 
 
 def is_fresh(reader: SlotReader, measured: int, now: int) -> bool:
-    """May a value of a record still be called valid?"""
+    """Is a value that was measured at an instant still within its record's validity [ns of CLOCK_MONOTONIC]?"""
     limit_ns = round(reader.spec.validity_s * NS_PER_S)
     return limit_ns == 0 or now - measured <= limit_ns
 
 
 def main(service: str) -> None:
-    """Attach, doubt, report."""
-    doubter = Doubter(attach_to(service).store)
-    policy = keep_time(PRIORITY)
+    """Attach to a service's database, check it until standard input ends, print the report."""
+    checker = FreshnessChecker(attach_to(service).store)
+    policy = request_realtime(PRIORITY)
     print(READY, flush=True)
-    while not told_to_end():
-        time.sleep(LOOK_EVERY_S)
-        doubter.look()
-    print(json.dumps({"policy": policy, "reads": doubter.reads, "valid": doubter.valid, "wrong": doubter.wrong}))
+    while not has_stdin_ended():
+        time.sleep(POLL_EVERY_S)
+        checker.poll()
+    counts = {"reads": checker.reads, "valid": checker.valid}
+    print(json.dumps({"policy": policy, **counts, "violations": checker.violations}))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
 """Region growing against the segmentation of the whole picture, on the same rendered frames.
 
 Eleven trackers of their own follow the ball and the ten center dots, as the CAMBADA robots followed their objects. The
-twin segments the whole picture once, by the classic, and takes for each object the valid blob that is nearest to where
-its tracker predicted it. *Same* means: the same region to the pixel, or that both say it is not there. In 20 of 100
-frames the ball is covered with carpet, so that it must be searched everywhere, in vain: things of its color and size
-that lie beside the field are no ball, since no carpet surrounds them (the twin looks at points of a circle for that).
+twin segments the whole picture once, by the reference segmentation, and takes for each object the valid blob that is
+nearest to where its tracker predicted it. *Same* means: the same region to the pixel, or that both say it is not there.
+In 20 of 100 frames the ball is covered with carpet, so that it must be searched everywhere, in vain: things of its
+color and size that lie beside the field are no ball, since no carpet surrounds them (the twin looks at points of a
+circle for that).
 
 Times are execution times of the thread, so that others who use the processor do not count. The histogram is that of the
 paper's figure 3: how long the ball's tracker takes per frame. It goes to ``bench/out/growing.png`` as well.
@@ -22,13 +23,13 @@ import numpy as np
 
 from bench.accuracy import settings_of
 from bench.charts import BLUE, Panel, Series, draw_panels
-from bench.runner import OUT, Row
-from vision_core.blobs.growing import (
+from bench.region_growing.region import (
     color_of_classes,
     color_of_seed,
 )
-from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
-from vision_core.blobs.run_lengths import Segmenter
+from bench.region_growing.tracker import GrowingLimits, GrowingTracker
+from bench.runner import OUT, Row
+from bench.segmenters import ReferenceSegmenter
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
@@ -56,7 +57,7 @@ MIN_AROUND = 0.3
 RING_RADII, RING_POINTS = 1.8, 24
 SAME_GOAL = 0.99
 SEED_PX = 1.0
-"""A seed's region may differ from the class's by its rim."""
+"""A seed's region may differ from the class's by its edge."""
 BINS = 20
 
 Place = tuple[float, float, float] | None
@@ -97,10 +98,10 @@ def run(out: Path = OUT) -> list[Row]:
 def measure(settings: Settings, frames: int) -> Measured:
     """Follow everything through a number of frames, both ways."""
     table = keep_classes(compile_color_table(settings.colors), {"blue", "yellow", settings.ball.color})
-    segmenter = Segmenter(settings.camera.width_px, settings.camera.height_px, settings.blobs)
+    segmenter = ReferenceSegmenter(settings.camera.width_px, settings.camera.height_px, settings.blobs)
     trackers: dict[str, GrowingTracker] = {}
     measured = Measured()
-    for pixels, at, truth, covered in _film(settings, frames):
+    for pixels, at, truth, covered in _frames(settings, frames):
         if not trackers:
             carpet = _carpet(settings, pixels)
             trackers = _trackers(settings, table, truth, carpet)
@@ -122,7 +123,7 @@ def measure(settings: Settings, frames: int) -> Measured:
     return measured
 
 
-def _film(settings: Settings, frames: int) -> Iterator[tuple[Bytes, Instant, Truth, bool]]:
+def _frames(settings: Settings, frames: int) -> Iterator[tuple[Bytes, Instant, Truth, bool]]:
     """Rendered frames with their truth; now and then the ball is covered with the carpet beside it."""
     source = open_source(settings, CameraSetup.from_settings(settings), MonotonicClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
@@ -287,7 +288,7 @@ def _summary(measured: Measured) -> Iterator[Row]:
     ):
         if len(times):
             median = float(np.median(times))
-            yield {"name": name, "value": median, "unit": "us", "twin": whole, "ratio": median / whole}
+            yield {"name": name, "value": median, "unit": "us", "baseline": whole, "ratio": median / whole}
 
 
 def _bins(measured: Measured) -> Iterator[Row]:

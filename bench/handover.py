@@ -1,40 +1,37 @@
-"""From a frame that is ready to the last of 22 clients having its datagram, in the running service; beside it C.
+"""Latency from a published frame to the last of 22 clients, in the running service at 30 and 200 Hz.
 
-A frame is ready when capture publishes it; a client has its datagram when the kernel has put it into the client's
-socket. Both are read from the same clock by programs that stand beside the service: ``stamps`` looks into the database,
-``receiver`` is all the clients. The camera is a folder of pictures, since a simulated one is not that fast.
+Setup: the service shows a folder of pictures to 22 connected clients. The latency [ms] of a frame begins when capture
+publishes it (timestamp in the database, read by ``record_timestamps``) and ends when the kernel has put the last of its
+datagrams into a client's socket (``receiver``). Median and p99 are given; the goal is 0.8 ms for the median.
 
-The twins (``twins/handover.c``) are four processes that hand a number on in the same way: without any work, which is
-what the kernel takes, and busy for as long as our perceive and serve are from their beginning to what they pass on,
-less what sending takes there: the same work in C's frame. They run after the service, for as long.
+Two baselines in C (``baselines/handover.c``): four processes that hand a frame's number on in the same way. One does no
+work, so its latency is what the kernel needs. The other computes for as long as perceive and serve do, less the time
+that sending takes in C: the same work without Python between the stages. They run after the service, for as long.
 """
 
 import contextlib
 import json
 import subprocess
-import tempfile
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.baselines.build import build_program
-from bench.frame_path import FRAMES, WAY, WORKERS, histograms_of, policies_of, quantile_us
-from bench.helpers import Companion, Report, sit_out
-from bench.pictures import ROBOTS_PER_TEAM, config_of, wait_for_all, write_match
-from bench.record_timestamps import Stamp
+from bench.frame_path import FRAME_PATH, FRAMES, histograms_of, policies_of, quantile_us
+from bench.helpers import Helper, Report, wait_with_progress
+from bench.pictures import ROBOTS_PER_TEAM, match_service
+from bench.record_timestamps import Timestamps
 from bench.runner import Row
-from bench.service import configured, running_service
+from vision_core.clock import NS_PER_US, US_PER_MS
 from vision_core.geometry import Floats
-from vision_core.net.control import attach_to
 
 RATES_HZ = (30.0, 200.0)
 CLIENTS = 2 * ROBOTS_PER_TEAM
 GOAL_MS = 0.8
 SETTLE_S = 2.0
-NS_PER_US = 1000
-US_PER_MS = 1e3
 MEDIAN, P99 = 0.5, 0.99
 
 
@@ -42,151 +39,151 @@ MEDIAN, P99 = 0.5, 0.99
 class Handover:
     """What was measured at one rate."""
 
-    delivered_us: Floats
-    """Of every frame that all clients got."""
+    latencies_us: Floats
+    """Of every frame that all clients received, shape (n,)."""
     frames: int
     incomplete: int
-    """Frames that some clients got and others did not."""
-    unserved: int
-    """Frames that nobody got."""
-    busy_us: dict[str, float]
-    """Of perceive until its sightings are written, of serve until its last datagram is sent; medians."""
+    """Frames that some clients received, not all."""
+    skipped: int
+    """Frames that no client received, since a newer one overtook them."""
+    work_us: dict[str, float]
+    """Median time from the start of a run to its result, for perceive and serve."""
     notes: list[str]
 
 
 def run(seconds: float = 60.0) -> list[Row]:
-    """Both rates; seconds: how long each lasts, twins apart."""
+    """Both rates. seconds: how long the service is measured at each; the baselines take as long again."""
     rows: list[Row] = []
     for rate_hz in RATES_HZ:
-        ours = _measure(rate_hz, seconds)
-        twins, word = _twins(rate_hz, seconds, ours.busy_us)
-        rows += _rows(f"{rate_hz:g} Hz", seconds, ours, twins)
-        if not twins:
-            rows.append({"name": word})
+        service = _measure(rate_hz, seconds)
+        baselines, reason = _baselines(rate_hz, seconds, service.work_us)
+        rows += _rows(f"{rate_hz:g} Hz", seconds, service, baselines)
+        if not baselines:
+            rows.append({"name": reason})
     return rows
 
 
 def _measure(rate_hz: float, seconds: float) -> Handover:
     """The service with all its clients."""
     with contextlib.ExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pslv-bench-")))
-        shown = write_match(folder, rate_hz)
-        path = stack.enter_context(configured(config_of(rate_hz)))
-        service = stack.enter_context(running_service("--config", path, "--source", f"file:{folder}"))
-        attached = attach_to(service.control)
-        stack.callback(attached.close)
-        wait_for_all(attached)
-        receiver = stack.enter_context(Companion("bench.receiver", service.udp_port, ROBOTS_PER_TEAM))
-        sit_out(SETTLE_S, f"handover at {rate_hz:g} Hz: settling")
-        stamps = stack.enter_context(Companion("bench.record_timestamps", service.control, *WAY))
+        service, attached, description = stack.enter_context(match_service(rate_hz))
+        receiver = stack.enter_context(Helper("bench.receiver", service.udp_port, ROBOTS_PER_TEAM))
+        wait_with_progress(SETTLE_S, f"handover at {rate_hz:g} Hz: settling")
+        watcher = stack.enter_context(Helper("bench.record_timestamps", service.control, *FRAME_PATH))
         before = histograms_of(attached, "lateness")
-        sit_out(seconds, f"handover at {rate_hz:g} Hz")
+        wait_with_progress(seconds, f"handover at {rate_hz:g} Hz")
         late_us = {
             task: quantile_us(counts - before[task], MEDIAN)
             for task, counts in histograms_of(attached, "lateness").items()
         }
-        written, heard = stamps.finish(), receiver.finish()
-        notes = [shown, f"clients: {heard['policy']}, stamps: {written['policy']}", policies_of(attached)]
-        busy_us = busy_by_task(written["stamps"], late_us)
-        return joined(written["stamps"][FRAMES], heard, attached.boot, busy_us, notes)
+        written, received = watcher.finish(), receiver.finish()
+        helpers = f"clients: {received['policy']}, timestamps: {written['policy']}"
+        notes = [description, helpers, policies_of(attached)]
+        work_us = work_by_task(written["timestamps"], late_us)
+        return joined(written["timestamps"][FRAMES], received, attached.boot, work_us, notes)
 
 
-def busy_by_task(stamps: dict[str, list[Stamp]], late_us: dict[str, float]) -> dict[str, float]:
-    """Medians from the beginning of a run to what it passes on [us].
+def work_by_task(timestamps: dict[str, list[Timestamps]], late_us: dict[str, float]) -> dict[str, float]:
+    """Median time from the start of a task's run to its result [us].
 
-    That is from one record's writing to the next one's, less late_us: how late the task begins, in the median.
+    That is the time between the writes of its input and its output, less late_us: how late the run starts (median), by
+    task in the order of the frame path.
     """
-    written = [dict(stamps[record]) for record in WAY]
-    busy = {}
-    for task, earlier, later in zip(WORKERS, written, written[1:], strict=False):
-        took = [(at - earlier[measured]) / NS_PER_US for measured, at in later.items() if measured in earlier]
-        busy[task] = max(float(np.median(took)) - late_us[task], 0.0)
-    return busy
+    written = [dict(timestamps[record]) for record in FRAME_PATH]
+    work_us = {}
+    for task, (inputs, outputs) in zip(late_us, pairwise(written), strict=True):
+        took = [(at - inputs[measured]) / NS_PER_US for measured, at in outputs.items() if measured in inputs]
+        work_us[task] = max(float(np.median(took)) - late_us[task], 0.0)
+    return work_us
 
 
-def joined(stamps: list[Stamp], heard: Report, boot: int, busy_us: dict[str, float], notes: list[str]) -> Handover:
-    """Frames and views by their Time: a view's Time is when its frame was measured, since the boot [us]."""
-    views = {time_us: (count, last) for time_us, count, _first, last in heard["views"]}
+def joined(
+    frames: list[Timestamps], received: Report, boot: int, work_us: dict[str, float], notes: list[str]
+) -> Handover:
+    """Join frames and received views by Time: a view's Time is when its frame was measured, since the boot [us]."""
+    views = {time_us: (count, last) for time_us, count, _first, last in received["views"]}
     newest = max(views, default=0)
-    delivered, incomplete, unserved = [], 0, 0
-    for measured, written in stamps:
+    latencies, incomplete, skipped = [], 0, 0
+    for measured, written in frames:
         time_us = (measured - boot) // NS_PER_US
-        if time_us > newest:  # it was still under way at the end
+        if time_us > newest:  # still on its way when the measurement ended
             continue
         count, last = views.get(time_us, (0, 0))
-        if count == heard["clients"]:
-            delivered.append((last - written) / NS_PER_US)
+        if count == received["clients"]:
+            latencies.append((last - written) / NS_PER_US)
         else:
-            incomplete, unserved = incomplete + (count > 0), unserved + (count == 0)
-    frames = len(delivered) + incomplete + unserved
-    return Handover(np.array(delivered), frames, incomplete, unserved, busy_us, notes)
+            incomplete, skipped = incomplete + (count > 0), skipped + (count == 0)
+    total = len(latencies) + incomplete + skipped
+    return Handover(np.array(latencies), total, incomplete, skipped, work_us, notes)
 
 
-def _twins(rate_hz: float, seconds: float, busy_us: dict[str, float]) -> tuple[dict[str, Report], str]:
-    """The reports of the twin without work and with ours; none and a word without a compiler."""
-    program, word = build_program("handover")
+def _baselines(rate_hz: float, seconds: float, work_us: dict[str, float]) -> tuple[dict[str, Report], str]:
+    """Reports of the C baseline without work and with the service's work; none, and the reason, without a compiler."""
+    program, message = build_program("handover")
     if program is None:
-        return {}, word
-    floor = _twin(program, rate_hz, seconds, 0.0, 0.0)
-    sending_us = float(np.median(floor["sending_us"]))
-    work = _twin(program, rate_hz, seconds, busy_us["perceive"], max(busy_us["serve"] - sending_us, 0.0))
-    return {"no work": floor, "the same work": work}, word
+        return {}, message
+    idle = _run_baseline(program, rate_hz, seconds, 0.0, 0.0)
+    perceive_us, serve_us = work_us.values()
+    sending_us = float(np.median(idle["sending_us"]))
+    working = _run_baseline(program, rate_hz, seconds, perceive_us, max(serve_us - sending_us, 0.0))
+    return {"no work": idle, "the same work": working}, message
 
 
-def _twin(program: Path, rate_hz: float, seconds: float, perceive_us: float, serve_us: float) -> Report:
+def _run_baseline(program: Path, rate_hz: float, seconds: float, perceive_us: float, serve_us: float) -> Report:
     numbers = [rate_hz, round(rate_hz * seconds), round(perceive_us), round(serve_us)]
     with subprocess.Popen([str(program), *map(str, numbers)], stdout=subprocess.PIPE, text=True) as process:
         try:
-            sit_out(seconds, f"handover at {rate_hz:g} Hz: twin in C")
-            said: Report = json.loads(process.communicate()[0])
+            wait_with_progress(seconds, f"handover at {rate_hz:g} Hz: baseline in C")
+            report: Report = json.loads(process.communicate()[0])
         finally:
             process.kill()
-    return said
+    return report
 
 
-def _rows(name: str, seconds: float, ours: Handover, twins: dict[str, Report]) -> list[Row]:
+def _rows(name: str, seconds: float, service: Handover, baselines: dict[str, Report]) -> list[Row]:
     rows: list[Row] = []
     for word, share in (("median", MEDIAN), ("p99", P99)):
-        value = _ms(ours.delivered_us, share)
-        by_itself: Row = {
-            "name": f"{name}: frame ready -> last of {CLIENTS} clients, {word}",
+        value = _quantile_ms(service.latencies_us, share)
+        row: Row = {
+            "name": f"{name}: frame published -> last of {CLIENTS} clients, {word}",
             "value": value,
             "unit": "ms",
         }
         if share == MEDIAN:
-            by_itself |= {"goal": f"<= {GOAL_MS} ms", "met": value <= GOAL_MS}
-        rows.append(by_itself)
-        for work, report in twins.items():
-            twin = _ms(np.array(report["delivered_us"]), share)
+            row |= {"goal": f"<= {GOAL_MS} ms", "met": value <= GOAL_MS}
+        rows.append(row)
+        for work, report in baselines.items():
+            baseline = _quantile_ms(np.array(report["delivered_us"]), share)
             rows.append(
                 {
-                    "name": f"{name}: {word}, twin in C with {work}",
+                    "name": f"{name}: {word}, baseline in C with {work}",
                     "value": value,
                     "unit": "ms",
-                    "twin": twin,
-                    "ratio": value / twin,
+                    "baseline": baseline,
+                    "ratio": value / baseline,
                 }
             )
     rows += [
-        {"name": f"{name}: frames a second that came", "value": round(ours.frames / seconds, 1), "unit": "1/s"},
-        {"name": f"{name}: frames that some clients got, not all", "value": ours.incomplete},
-        {"name": f"{name}: frames that a newer one overtook", "value": ours.unserved},
+        {"name": f"{name}: frames per second", "value": round(service.frames / seconds, 1), "unit": "1/s"},
+        {"name": f"{name}: frames that some clients received, not all", "value": service.incomplete},
+        {"name": f"{name}: frames that a newer one overtook", "value": service.skipped},
     ]
     rows += [
-        {"name": f"{name}: {task}, from its beginning to its result, median", "value": took, "unit": "us"}
-        for task, took in ours.busy_us.items()
+        {"name": f"{name}: {task}, from the start of a run to its result, median", "value": took, "unit": "us"}
+        for task, took in service.work_us.items()
     ]
-    return [*rows, *({"name": f"{name}: {note}"} for note in ours.notes), *_twin_notes(name, twins)]
+    return [*rows, *({"name": f"{name}: {note}"} for note in service.notes), *_baseline_notes(name, baselines)]
 
 
-def _twin_notes(name: str, twins: dict[str, Report]) -> list[Row]:
-    return [{"name": f"{name}: twin in C with {work}: {_in_words(report)}"} for work, report in twins.items()]
+def _baseline_notes(name: str, baselines: dict[str, Report]) -> list[Row]:
+    return [{"name": f"{name}: baseline in C with {work}: {_summary(report)}"} for work, report in baselines.items()]
 
 
-def _in_words(report: dict[str, Any]) -> str:
+def _summary(report: dict[str, Any]) -> str:
     policies = ", ".join(f"{process} {policy}" for process, policy in report["policies"].items())
     return f"{policies}; {report['skipped'] + report['incomplete']} of {report['published']} frames not served"
 
 
-def _ms(times_us: Floats, share: float) -> float:
+def _quantile_ms(times_us: Floats, share: float) -> float:
+    """Quantile [ms], infinite without any values."""
     return float(np.quantile(times_us, share)) / US_PER_MS if len(times_us) else float("inf")

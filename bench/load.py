@@ -1,6 +1,6 @@
-"""Full background load: on each core a process of the ordinary policy that never sleeps.
+"""Full background load: on each core a process of ordinary scheduling policy that never sleeps.
 
-python -m bench.load CORE PARENT        until PARENT ends it, or dies
+python -m bench.load CORE PARENT        until the process PARENT kills it or ends
 """
 
 import contextlib
@@ -19,21 +19,22 @@ TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """Busy processes."""
+    """The busy processes."""
 
     processes: dict[int, "subprocess.Popen[bytes]"]
     """By core."""
     began_s: float
+    """[s of CLOCK_MONOTONIC]"""
 
     def shares(self) -> dict[int, float]:
-        """How much of its core each has got since the beginning, 0..1: the more, the less others wanted."""
+        """Share of its core that each busy process has had since the beginning, 0..1, by core."""
         elapsed_s = time.monotonic() - self.began_s
-        return {core: _spent_s(process.pid) / elapsed_s for core, process in self.processes.items()}
+        return {core: _cpu_time_s(process.pid) / elapsed_s for core, process in self.processes.items()}
 
 
 @contextlib.contextmanager
 def full_load() -> Iterator[Load]:
-    """One busy process on each core that we may use, until the block ends."""
+    """One busy process on each core that this process may use, until the block ends."""
     processes: dict[int, subprocess.Popen[bytes]] = {}
     try:
         for core in sorted(os.sched_getaffinity(0)):
@@ -47,15 +48,15 @@ def full_load() -> Iterator[Load]:
 
 
 def main(core: int, parent: int) -> None:
-    """Be busy."""
+    """Compute for ever on one core."""
     end_with(parent)
     os.sched_setaffinity(0, {core})
     while True:
         sum(range(1000))
 
 
-def _spent_s(pid: int) -> float:
-    """Processor time of a process [s]."""
+def _cpu_time_s(pid: int) -> float:
+    """CPU time of a process, user and system [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
 

@@ -1,14 +1,13 @@
-"""The whole loop, pixels to sent datagrams, against the classic segmentation of the same frames alone.
+"""The whole loop, pixels to sent datagrams, against the reference segmentation of the same frames alone.
 
-Distinct frames of a simulated match (said in the output how many), rendered beforehand and looped: each is perceived
-(windows round what was there, strip, whole frame when something is missing), tracked, seen through every robot's eyes,
+Distinct frames of a simulated match (the output says how many), rendered beforehand and looped: each is perceived
+(windows round what was there, scan band, whole frame when something is missing), tracked, seen from every robot,
 written for every client and sent over loopback, one socket per client, in one process and thread, as the service's two
-processes do it one after the other. The classic, and its twin in C, take turns with the loop, in blocks of frames: each
-is measured at its own pace, as in a process of its own, and all of them through the same minutes.
+processes do it one after the other. The reference, and its twin in C, take turns with the loop in blocks of frames:
+each is measured at its own pace, as in a process of its own, and all of them during the same minutes.
 """
 
 import contextlib
-import random
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -20,23 +19,24 @@ from bench.accuracy import TEAMS, settings_of
 from bench.runner import Row
 from bench.segmentation import Scene as SegmentScene
 from bench.segmentation import twin_of
-from vision_core.blobs.run_lengths import Segmenter
+from bench.segmenters import ReferenceSegmenter
 from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.net.batch import Lines
+from vision_core.net.delivery import DeliveryTable, new_rows
 from vision_core.net.udp import SessionSocket
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.messages import Init
+from vision_core.protocol.options import PAPER_OPTIONS
 from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 
 CASES = {("640x480", 10): 0.5, ("1280x1024", 10): 0.2, ("2048x1536", 22): None, ("1280x1024", 22): None}
-"""Size and robots: the most that the loop may take, as a share of the classic segmentation alone."""
+"""Size and robots: the most that the loop may take, as a share of the reference segmentation alone."""
 FRAMES = {"640x480": 400, "1280x1024": 200, "2048x1536": 80}
 ROUNDS, BLOCK, WARM = 4, 40, 5
 """Times that all frames are looped; frames in a block, and those at its beginning that are not counted."""
@@ -84,9 +84,10 @@ class Loop:
         sessions = [SessionSocket(server, "127.0.0.1", (*one.getsockname(), 0)) for one in self._sockets]
         for session in sessions:
             stack.callback(session.close)
-        self._lines = Lines(Instant(0), random.Random(1))
-        rows = self._lines.resize(len(sessions))
-        rows["descriptor"], rows["tick_ns"] = [session.fileno() for session in sessions], NS_PER_S // 1000
+        self._deliveries = DeliveryTable(Instant(0), seed=1)
+        self._deliveries.replace(new_rows(len(sessions)))
+        for row, session in enumerate(sessions):
+            self._deliveries.address(row, session.fileno(), PAPER_OPTIONS)
         self._number = 0
 
     def turn(self, frame: int) -> tuple[float, ...]:
@@ -98,9 +99,9 @@ class Loop:
         perceived = time.perf_counter()
         world = self._tracker.update(seen)
         tracked = time.perf_counter()
-        batch = self._messages.write(world, self._clients, self._lines.due(at))
+        batch = self._messages.write(world, self._clients, self._deliveries.due(at))
         written = time.perf_counter()
-        self._lines.send(at, batch)
+        self._deliveries.send(at, batch)
         return began, perceived, tracked, written, time.perf_counter()
 
     def drain(self) -> int:
@@ -137,10 +138,10 @@ def _client(stack: contextlib.ExitStack) -> socket.socket:
 
 def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     camera, table = loop.settings.camera, loop.perception.table
-    classic = Segmenter(camera.width_px, camera.height_px, loop.settings.blobs)
-    candidates = loop.perception.eyes.candidates
-    twin, _ = twin_of(SegmentScene(loop.settings, table, candidates, loop.frames, [], 1))
-    ways: dict[str, Callable[[int], object]] = {"classic": lambda frame: classic.segment(loop.frames[frame], table)}
+    reference = ReferenceSegmenter(camera.width_px, camera.height_px, loop.settings.blobs)
+    prefilter = loop.perception.eyes.prefilter
+    twin, _ = twin_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
+    ways: dict[str, Callable[[int], object]] = {"reference": lambda frame: reference.segment(loop.frames[frame], table)}
     if twin is not None:
         ways["C"] = twin[0]
     stamps: list[tuple[float, ...]] = []
@@ -157,11 +158,11 @@ def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
             alone[way] += [_seconds(call, frame) for frame in frames][WARM:]
     took = np.diff(np.array(stamps), axis=1)
     whole = float(np.median(took.sum(axis=1)))
-    classic_s = float(np.median(alone["classic"]))
-    rows: list[Row] = [_row(f"{name}: pixels to sent, classic segmentation alone", whole, classic_s, goal)]
+    reference_s = float(np.median(alone["reference"]))
+    rows: list[Row] = [_row(f"{name}: pixels to sent, reference segmentation alone", whole, reference_s, goal)]
     if "C" in alone:
         in_c = float(np.median(alone["C"]))
-        rows.append(_row(f"{name}: pixels to sent, classic segmentation in C alone", whole, in_c, None))
+        rows.append(_row(f"{name}: pixels to sent, reference segmentation in C alone", whole, in_c, None))
     for stage, seconds in zip(STAGES, np.median(took, axis=0).tolist(), strict=True):
         rows.append({"name": f"{name}: {stage}", "value": seconds * US_PER_S, "unit": "us"})
     rows.append({"name": f"{name}: datagrams per frame", "value": round(sent / (ROUNDS * count), 2), "unit": ""})
@@ -199,6 +200,6 @@ def _row(name: str, took: float, other: float, goal: float | None) -> Row:
         "name": name,
         "value": took * US_PER_S,
         "unit": "us",
-        "twin": other * US_PER_S,
+        "baseline": other * US_PER_S,
         "ratio": took / other,
     } | judged

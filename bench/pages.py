@@ -1,9 +1,9 @@
-"""Readers of the page's live connection in one process: each says "next", as web/live.js does, and reads what comes.
+"""Helper process: web pages that watch a service over its live connection, all in one process.
 
-    python -m bench.pages HTTP        a line on standard input is how many pages are open from now on
+    python -m bench.pages HTTP        each line of standard input is the number of open pages from now on
 
-Ends with standard input. Prints JSON: {"messages", "bytes", "most" (pages open at once), "troubles": closed by the
-service, with its reason}.
+A page sends "next" whenever the last message of a turn has arrived, as web/live.js does. Ends with standard input.
+Prints JSON: {"messages", "bytes", "max_open", "errors": why the service closed pages}.
 """
 
 import asyncio
@@ -17,57 +17,57 @@ from websockets.exceptions import ConnectionClosed
 from bench.helpers import READY
 
 NEXT = "next"
-LAST = "state"
-"""Topic that ends a turn."""
-LONGEST = 1 << 24
-"""Of a message: a picture [bytes]."""
+LAST_TOPIC = "state"
+"""Its message is the last one of a turn."""
+MAX_MESSAGE = 1 << 24
+"""Longest message: a picture [bytes]."""
 
 
 class Pages:
-    """All of them."""
+    """All open pages, and what they received together."""
 
     def __init__(self, http: str) -> None:
         self._address = f"{http.replace('http', 'ws', 1)}/live?topics=picture,timing,state"
         self._open: list[asyncio.Task[None]] = []
-        self.tally: dict[str, Any] = {"messages": 0, "bytes": 0, "most": 0, "troubles": []}
+        self.report: dict[str, Any] = {"messages": 0, "bytes": 0, "max_open": 0, "errors": []}
 
-    async def have(self, count: int) -> None:
-        """Open or close pages until there are so many."""
+    async def set_count(self, count: int) -> None:
+        """Open or close pages until a number of them is open."""
         while len(self._open) < count:
             self._open.append(asyncio.create_task(self._watch()))
         while len(self._open) > count:
             task = self._open.pop()
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
-        self.tally["most"] = max(self.tally["most"], count)
+        self.report["max_open"] = max(self.report["max_open"], count)
 
     async def _watch(self) -> None:
-        """One page: asks for the next turn when the last message of one has come."""
+        """One page, until it is cancelled or the service closes it."""
         try:
-            async with connect(self._address, max_size=LONGEST) as page:
+            async with connect(self._address, max_size=MAX_MESSAGE) as page:
                 await page.send(NEXT)
                 await self._read(page)
-        except (ConnectionClosed, OSError) as trouble:
-            self.tally["troubles"].append(repr(trouble))
+        except (ConnectionClosed, OSError) as error:
+            self.report["errors"].append(repr(error))
 
     async def _read(self, page: ClientConnection) -> None:
         async for message in page:
-            self.tally["messages"] += 1
-            self.tally["bytes"] += len(message)
-            if isinstance(message, str) and json.loads(message)["topic"] == LAST:
+            self.report["messages"] += 1
+            self.report["bytes"] += len(message)
+            if isinstance(message, str) and json.loads(message)["topic"] == LAST_TOPIC:
                 await page.send(NEXT)
 
 
 async def run(http: str) -> dict[str, Any]:
-    """Do as standard input says until it ends."""
+    """Open as many pages as standard input asks for, until it ends. Returns the report."""
     pages, lines = Pages(http), asyncio.StreamReader()
     loop = asyncio.get_running_loop()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(lines), sys.stdin)
     print(READY, flush=True)
     async for line in lines:
-        await pages.have(int(line))
-    await pages.have(0)
-    return pages.tally
+        await pages.set_count(int(line))
+    await pages.set_count(0)
+    return pages.report
 
 
 if __name__ == "__main__":

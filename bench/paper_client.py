@@ -1,9 +1,9 @@
-"""A client written from the paper's text alone, with the standard library alone.
+"""A client that follows the text of the pseudo-local vision paper alone, and imports the standard library alone.
 
     python bench/paper_client.py TEAM NUMBER SECONDS HOST PORT
 
-Sends ``(init TEAM NUMBER)``, reads ``see`` messages for some seconds, checks each against the paper's form
-and prints one line of JSON. It imports nothing of PSLV and is told nothing that the paper does not say.
+It sends ``(init TEAM NUMBER)``, receives ``see`` messages for some seconds, checks each against the form in the paper
+and prints its report as one line of JSON. Nothing in it comes from PSLV: it shows that the paper is enough.
 """
 
 import itertools
@@ -20,7 +20,7 @@ PAPER_EDGE_CHARACTERS = 1080
 
 
 def main(team: str, number: int, seconds: float, host: str, port: int) -> None:
-    """Connect, listen, report."""
+    """Connect, receive until the time is over, print the report."""
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     client.settimeout(1.0)
     client.sendto(f"(init {team} {number})".encode(), (host, port))

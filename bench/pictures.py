@@ -1,9 +1,17 @@
-"""Frames of a simulated match as a folder of pictures: a camera that can be as fast as one likes."""
+"""A folder of pictures as a camera of any rate: frames of a simulated match, rendered beforehand.
 
+The simulated camera renders each frame when it is due and cannot deliver 200 frames per second; a folder that the
+service has read once can.
+"""
+
+import contextlib
+import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
-from bench import frame_path as way
+from bench import frame_path
+from bench.service import RunningService, attached_service
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
 from vision_core.geometry import Bytes
@@ -15,57 +23,64 @@ from vision_core.venues.loader import load_settings
 
 FRAMES = 200
 ROBOTS_PER_TEAM = 11
-PATIENCE_S = 60.0
-LOOK_EVERY_S = 0.1
+TIMEOUT_S = 60.0
+POLL_EVERY_S = 0.1
 
 
-def match(rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM) -> tuple[Settings, list[Bytes]]:
-    """Settings of a match in which all robots may connect, and frames of it as a camera of a rate sees them."""
+def render_match(rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM) -> tuple[Settings, list[Bytes]]:
+    """Settings of a match in which all 22 robots may connect, and its frames as a camera of a rate sees them."""
     shown = {"synthetic.robots_per_team": robots_per_team, "camera.rate_hz": rate_hz}
     settings = load_settings(options=shown | {"match.numbers": ROBOTS_PER_TEAM})
-    source = open_source(settings, CameraSetup.from_settings(settings), ManualClock(), paced=False)
+    camera = CameraSetup.from_settings(settings)
+    source = open_source(settings, camera, ManualClock(), paced=False)
     frames = []
     for _ in range(FRAMES):
-        pixels = CameraSetup.from_settings(settings).black_image()
+        pixels = camera.black_image()
         source.grab(pixels)
         frames.append(pixels)
     source.close()
     return settings, frames
 
 
-def forwards_and_backwards() -> list[int]:
-    """The order in which frames are shown, so that nothing jumps where they begin again."""
+def playback_order() -> list[int]:
+    """Numbers of the frames in the order of playback: forwards, then backwards, so that nothing jumps in a loop."""
     return [*range(FRAMES), *range(FRAMES - 2, 0, -1)]
 
 
-def write_match(folder: Path, rate_hz: float) -> str:
-    """Frames of a match as files, in the order in which they are shown; what they are, in words."""
-    settings, frames = match(rate_hz)
-    for place, number in enumerate(forwards_and_backwards()):
+def description_of(settings: Settings) -> str:
+    """The frames of ``render_match`` in words, for a benchmark's table."""
+    width, height = CameraSetup.from_settings(settings).size_px
+    robots = 2 * settings.synthetic.robots_per_team
+    return f"{FRAMES} distinct frames of {width}x{height} with {robots} robots, looped forwards and backwards"
+
+
+@contextlib.contextmanager
+def match_service(rate_hz: float) -> Iterator[tuple[RunningService, Attached, str]]:
+    """A running service that shows a match at a rate, all frames in its memory; its database; the frames in words."""
+    with tempfile.TemporaryDirectory(prefix="pslv-bench-") as name:
+        description = _write_match(Path(name), rate_hz)
+        settings = f"camera.rate_hz = {rate_hz}\nmatch.numbers = {ROBOTS_PER_TEAM}\n"
+        with attached_service(settings, "--source", f"file:{name}") as (service, attached):
+            _wait_until_all_are_loaded(attached)
+            yield service, attached, description
+
+
+def _write_match(folder: Path, rate_hz: float) -> str:
+    """Write a match's frames into a folder, in the order of playback. Returns them in words."""
+    settings, frames = render_match(rate_hz)
+    for place, number in enumerate(playback_order()):
         if place == number:
             write_picture(folder / f"{number:04d}.bmp", frames[number])
         else:
             (folder / f"{place:04d}.bmp").symlink_to(f"{number:04d}.bmp")
-    return in_words(settings)
+    return description_of(settings)
 
 
-def in_words(settings: Settings) -> str:
-    """What a benchmark shows."""
-    size = f"{settings.camera.width_px}x{settings.camera.height_px}"
-    robots = 2 * settings.synthetic.robots_per_team
-    return f"{FRAMES} distinct frames of {size} with {robots} robots, looped forwards and backwards"
-
-
-def wait_for_all(attached: Attached) -> None:
-    """Wait until the service has shown the folder once, and has it in memory. Raises RuntimeError when it does not."""
-    frames = attached.store.reader(way.FRAMES)
-    begun, deadline = frames.sequence, time.monotonic() + PATIENCE_S
-    while frames.sequence - begun < 2 * FRAMES:
+def _wait_until_all_are_loaded(attached: Attached) -> None:
+    """Wait until the service has shown every picture, so that all are in its memory. Raises RuntimeError."""
+    frames = attached.store.reader(frame_path.FRAMES)
+    first, deadline = frames.sequence, time.monotonic() + TIMEOUT_S
+    while frames.sequence - first < 2 * FRAMES:
         if time.monotonic() > deadline:
-            raise RuntimeError(f"{frames.sequence - begun} frames within {PATIENCE_S:g} s; {2 * FRAMES} were expected")
-        time.sleep(LOOK_EVERY_S)
-
-
-def config_of(rate_hz: float) -> str:
-    """The service's settings for such a folder: all robots may connect."""
-    return f"camera.rate_hz = {rate_hz}\nmatch.numbers = {ROBOTS_PER_TEAM}\n"
+            raise RuntimeError(f"{frames.sequence - first} frames within {TIMEOUT_S:g} s; {2 * FRAMES} were expected")
+        time.sleep(POLL_EVERY_S)

@@ -1,11 +1,15 @@
-"""The clients of both teams in one process: a socket for each, and when the kernel put each datagram into it.
+"""Helper process: the clients of both teams, each with a socket of its own.
 
-    python -m bench.receiver UDP_PORT NUMBERS        until standard input ends
+    python -m bench.receiver UDP_PORT CLIENTS_PER_TEAM        until standard input ends
 
-Every socket says init once, with (time us), and nothing ever after: whatever happens to the service, no client
-reconnects. Prints JSON: {"policy", "clients", "ports": of the server that views came from, "disordered": views whose
-Time was not greater than the one before, "errors": other messages, "views": [[Time_us, clients, first_ns, last_ns],
-...]}: per Time how many clients got it, and the instants [ns of CLOCK_MONOTONIC] of the first and the last.
+Every client sends init once, with (time us), and never again: whatever happens to the service, no client reconnects.
+The arrival of a datagram is the instant at which the kernel put it into the client's socket. Prints JSON:
+
+    {"policy", "clients", "ports", "disordered", "errors", "views"}
+
+"ports" are those of the server that views came from, "disordered" counts views whose Time is not greater than that of
+the view before, "errors" are all other messages, and "views" is [[time_us, clients, first_ns, last_ns], ...]: for each
+Time how many clients received the view, and the first and last arrival [ns of CLOCK_MONOTONIC].
 """
 
 import contextlib
@@ -16,7 +20,7 @@ import sys
 import time
 from collections.abc import Iterator
 
-from bench.helpers import BELOW_SERVE, READY, keep_time, told_to_end
+from bench.helpers import OBSERVER_PRIORITY, READY, has_stdin_ended, request_realtime
 from vision_core.client.lag import SO_TIMESTAMPNS, TIMESPEC, stamp_arrivals
 from vision_core.clock import NS_PER_S
 from vision_core.protocol.codec import encode
@@ -25,21 +29,23 @@ from vision_core.protocol.options import Options
 from vision_core.types.objects import Team
 
 LOOPBACK = "127.0.0.1"
-PATIENCE_S = 5.0
-LONGEST = 4096
+REPLY_TIMEOUT_S = 5.0
+MAX_DATAGRAM = 4096
 ANCILLARY = socket.CMSG_SPACE(TIMESPEC.size)
-NAP_S = 0.1
-"""Between two looks at standard input, when nothing comes."""
+POLL_TIMEOUT_S = 0.1
+"""Standard input is checked at least so often."""
 SEE = b"(see "
-ROOM = 1 << 20
-"""Of a socket's buffer [bytes]."""
+BUFFER_BYTES = 1 << 20
+"""Of each socket."""
 
 
 class Receiver:
-    """All clients."""
+    """The clients of both teams."""
 
-    def __init__(self, udp_port: int, numbers: int) -> None:
+    def __init__(self, udp_port: int, per_team: int) -> None:
+        """Connect all clients. Raises RuntimeError when the server does not accept one."""
         self.views: dict[int, list[int]] = {}
+        """By Time [us]: number of clients, first and last arrival [ns]."""
         self.ports: set[int] = set()
         self.disordered = 0
         self.errors: list[str] = []
@@ -47,39 +53,38 @@ class Receiver:
         self._sockets: dict[int, socket.socket] = {}
         self._newest: dict[int, int] = {}
         for team in Team:
-            for number in range(1, numbers + 1):
-                self._open(udp_port, Init(team, number, Options(time="us")))
+            for number in range(1, per_team + 1):
+                self._connect(udp_port, Init(team, number, Options(time="us")))
 
     @property
     def clients(self) -> int:
-        """How many they are."""
+        """Number of clients."""
         return len(self._sockets)
 
-    def _open(self, udp_port: int, init: Init) -> None:
-        """Raises RuntimeError when the server does not answer init with init."""
+    def _connect(self, udp_port: int, init: Init) -> None:
         client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         client.bind((LOOPBACK, 0))
-        client.settimeout(PATIENCE_S)
-        client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        client.settimeout(REPLY_TIMEOUT_S)
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
         client.sendto(encode(init), (LOOPBACK, udp_port))
-        answer = client.recv(LONGEST)
-        if not answer.startswith(b"(init"):
-            raise RuntimeError(f"init {init.team} {init.number}: {answer!r} was answered; (init ...) was expected")
+        reply = client.recv(MAX_DATAGRAM)
+        if not reply.startswith(b"(init"):
+            raise RuntimeError(f"init {init.team} {init.number}: the reply is {reply!r}; (init ...) was expected")
         stamp_arrivals(client)
         client.setblocking(False)
         self._sockets[client.fileno()], self._newest[client.fileno()] = client, -1
         self._poller.register(client.fileno(), select.EPOLLIN)
 
-    def wait(self, timeout_s: float) -> None:
-        """Take what has come."""
+    def receive(self, timeout_s: float) -> None:
+        """Take all datagrams that have arrived; wait up to a timeout for the first [s]."""
         ready = self._poller.poll(timeout_s)
-        offset = monotonic_from_real()
+        offset = monotonic_from_realtime()
         for descriptor, _ in ready:
             for datagram, arrived, port in _datagrams(self._sockets[descriptor], offset):
                 self.ports.add(port)
-                self._take(descriptor, datagram, arrived)
+                self._count(descriptor, datagram, arrived)
 
-    def _take(self, descriptor: int, datagram: bytes, arrived: int) -> None:
+    def _count(self, descriptor: int, datagram: bytes, arrived: int) -> None:
         if not datagram.startswith(SEE):
             self.errors.append(datagram.decode("ascii", "replace"))
             return
@@ -91,21 +96,21 @@ class Receiver:
         view[1], view[2] = min(view[1], arrived), max(view[2], arrived)
 
 
-def monotonic_from_real() -> int:
-    """What to add to an instant of CLOCK_REALTIME for CLOCK_MONOTONIC [ns], from the closest of three readings."""
+def monotonic_from_realtime() -> int:
+    """Offset from CLOCK_REALTIME to CLOCK_MONOTONIC [ns], from the closest of three pairs of readings."""
     best, offset = NS_PER_S, 0
     for _ in range(3):
-        before, real, behind = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
-        if behind - before < best:
-            best, offset = behind - before, (before + behind) // 2 - real
+        before, real, after = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
+        if after - before < best:
+            best, offset = after - before, (before + after) // 2 - real
     return offset
 
 
 def _datagrams(client: socket.socket, offset: int) -> Iterator[tuple[bytes, int, int]]:
-    """Everything in a socket: bytes, instant of arrival, the server's port."""
+    """All datagrams in a socket: bytes, arrival [ns of CLOCK_MONOTONIC], the server's port."""
     with contextlib.suppress(BlockingIOError):
         while True:
-            datagram, ancillary, _, source = client.recvmsg(LONGEST, ANCILLARY)
+            datagram, ancillary, _, source = client.recvmsg(MAX_DATAGRAM, ANCILLARY)
             arrived = time.monotonic_ns()
             for level, kind, data in ancillary:
                 if (level, kind) == (socket.SOL_SOCKET, SO_TIMESTAMPNS):
@@ -114,16 +119,16 @@ def _datagrams(client: socket.socket, offset: int) -> Iterator[tuple[bytes, int,
             yield datagram, arrived, source[1]
 
 
-def main(udp_port: int, numbers: int) -> None:
-    """Connect, listen, report."""
-    receiver = Receiver(udp_port, numbers)
-    policy = keep_time(BELOW_SERVE)
+def main(udp_port: int, per_team: int) -> None:
+    """Connect all clients, receive until standard input ends, print the report."""
+    receiver = Receiver(udp_port, per_team)
+    policy = request_realtime(OBSERVER_PRIORITY)
     print(READY, flush=True)
-    while not told_to_end():
-        receiver.wait(NAP_S)
+    while not has_stdin_ended():
+        receiver.receive(POLL_TIMEOUT_S)
     views = [[time_us, *view] for time_us, view in receiver.views.items()]
-    told = {"policy": policy, "clients": receiver.clients, "ports": sorted(receiver.ports), "views": views}
-    print(json.dumps(told | {"disordered": receiver.disordered, "errors": receiver.errors}))
+    report = {"policy": policy, "clients": receiver.clients, "ports": sorted(receiver.ports), "views": views}
+    print(json.dumps(report | {"disordered": receiver.disordered, "errors": receiver.errors}))
 
 
 if __name__ == "__main__":

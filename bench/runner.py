@@ -1,10 +1,11 @@
-"""Runs benchmarks by name, and shows their results as one table or as lines of JSON.
+"""Runs benchmarks by name, and prints their results as tables or as lines of JSON.
 
-A result is ``{"name", "value", "unit", "twin", "ratio", "goal", "met"}``: what was measured, what its twin
-needed in the same run (a program of our own, a memcpy, the way before), value over twin, and the goal.
-What does not apply is null.
+A result is ``{"name", "value", "unit", "baseline", "ratio", "goal", "met"}``: what was measured; the value of the
+baseline in the same run (a C program of our own, a memcpy, the service without the load, or the paper's figure); value
+over baseline; the goal and whether it is met. What does not apply is null.
 """
 
+import ast
 import json
 from collections.abc import Callable, Iterator
 from importlib import import_module
@@ -18,49 +19,55 @@ BENCHMARKS = (
     *("activation", "handover", "dashboards", "gc_pauses", "clients", "faults"),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
-KEYS = ("name", "value", "unit", "twin", "ratio", "goal", "met")
+KEYS = ("name", "value", "unit", "baseline", "ratio", "goal", "met")
 OUT = Path(__file__).with_name("out")
 VERDICT = {True: "met", False: "NOT MET", None: ""}
 
 
+def summary_of(name: str) -> str:
+    """What a benchmark measures, in one line: the first of its docstring. The module is not imported."""
+    source = Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")
+    return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+
+
 def run(name: str) -> dict[str, Any]:
-    """One benchmark: ``{"bench", "results"}``."""
+    """Run one benchmark. Returns ``{"bench", "results"}``."""
     measure: Callable[[], list[Row]] = import_module(f"bench.{name}").run
     return {"bench": name, "results": [{key: row.get(key) for key in KEYS} for row in measure()]}
 
 
 def run_all(names: tuple[str, ...], *, as_json: bool) -> None:
-    """Run benchmarks one after the other and print each as soon as it is done; all without a name.
+    """Run the named benchmarks, or all without a name, and print each as soon as it has finished.
 
-    The table also goes to ``bench/out/results.md`` when all were run.
+    When all were run, the table is written to ``bench/out/results.md`` as well.
     """
     tables = []
     for name in names or BENCHMARKS:
-        done = run(name)
-        tables.append(done)
-        print(json.dumps(done) if as_json else "\n".join(_lines(done)), flush=True)
+        table = run(name)
+        tables.append(table)
+        print(json.dumps(table) if as_json else "\n".join(_lines(table)), flush=True)
     if not names:
         OUT.mkdir(exist_ok=True)
         (OUT / "results.md").write_text("\n".join(_markdown(tables)) + "\n", encoding="utf-8")
 
 
-def _lines(done: dict[str, Any]) -> Iterator[str]:
-    yield f"\n{done['bench']:<56} {'value':>12} {'':<8} {'twin':>12} {'ratio':>7}  goal"
-    for row in done["results"]:
-        name, value, unit, twin, ratio, goal, verdict = _cells(row)
-        yield f"  {name:<54} {value:>12} {unit:<8} {twin:>12} {ratio:>7}  {goal} {verdict}".rstrip()
+def _lines(table: dict[str, Any]) -> Iterator[str]:
+    yield f"\n{table['bench']:<56} {'value':>12} {'':<8} {'baseline':>12} {'ratio':>7}  goal"
+    for row in table["results"]:
+        name, value, unit, baseline, ratio, goal, verdict = _cells(row)
+        yield f"  {name:<54} {value:>12} {unit:<8} {baseline:>12} {ratio:>7}  {goal} {verdict}".rstrip()
 
 
 def _markdown(tables: list[dict[str, Any]]) -> Iterator[str]:
-    yield "| benchmark | what | value | unit | twin | ratio | goal | |"
+    yield "| benchmark | what | value | unit | baseline | ratio | goal | |"
     yield "| --- | --- | --- | --- | --- | --- | --- | --- |"
-    for done in tables:
-        for row in done["results"]:
-            yield f"| {done['bench']} | {' | '.join(_cells(row))} |"
+    for table in tables:
+        for row in table["results"]:
+            yield f"| {table['bench']} | {' | '.join(_cells(row))} |"
 
 
 def _cells(row: Row) -> tuple[str, ...]:
-    numbers = [_text(row[key]) for key in ("value", "unit", "twin", "ratio", "goal")]
+    numbers = [_text(row[key]) for key in ("value", "unit", "baseline", "ratio", "goal")]
     return (str(row["name"]), *numbers, VERDICT[row["met"]])
 
 

@@ -1,8 +1,8 @@
-"""Pixels to blobs: rows and flood fill against the classic, the same in C, and a memcpy of the frame.
+"""Pixels to blobs: the row scan against the reference segmentation, the reference in C, and a memcpy of the frame.
 
-Distinct frames of the synthetic camera, ten robots, the default look. The ways take turns, frame by frame, in one
-process; in each turn every way has another frame, which the others have not touched for a while, so that all of them
-find it equally far away in memory. Medians. Recall: of the classic's blobs in the windows round robots and ball that
+Distinct frames of the synthetic camera, ten robots, the default look. The methods take turns, frame by frame, in one
+process; in each turn every method has another frame, which the others have not touched for a while, so that all of them
+find it equally far away in memory. Medians. Recall: of the reference's blobs in the windows round robots and ball that
 are as high as the smallest dot asks for, those found equal in class, area, center and box.
 """
 
@@ -15,22 +15,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.baselines.build import load_twin
+from bench.baselines.build import load_library
 from bench.runner import Row
-from vision_core.blobs.rows import FastSegmenter, least_height_px
-from vision_core.blobs.run_lengths import Segmenter
+from bench.segmenters import ReferenceSegmenter, RowScanSegmenter
+from vision_core.blobs.row_scan import min_height_px
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
 from vision_core.clock import MonotonicClock
 from vision_core.color.lookup_table import compile_color_table
-from vision_core.color.prefilter import candidate_test
+from vision_core.color.prefilter import prefilter_from
 from vision_core.geometry import Bytes
 from vision_core.models.camera import CameraModel
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
-from vision_core.types.prefilter import Candidates
+from vision_core.types.prefilter import ColorPrefilter
 from vision_core.types.tables import BLOB, Table
 from vision_core.venues.loader import load_settings
 
@@ -55,25 +55,25 @@ SIZES: dict[str, dict[str, Any]] = {
     )
 }
 GOALS = {"640x480": 0.35, "1280x1024": 0.20, "2048x1536": 0.12}
-CLASSIC, TWIN, MEMCPY = "classic", "classic in C", "memcpy"
-WHOLE, WINDOWS = "rows + flood, whole frame", "rows + flood, windows + strip"
+REFERENCE, TWIN, MEMCPY = "reference", "reference in C", "memcpy"
+WHOLE, WINDOWS = "row scan, whole frame", "row scan, windows + scan band"
 US_PER_S = 1e6
 
 Boxes = NDArray[np.int32]
-Way = Callable[[int], int]
-"""Segments a frame by its number; how many blobs there are, in ``Ways.blobs``."""
+Method = Callable[[int], int]
+"""Segments a frame by its number; how many blobs there are, in ``Methods.blobs``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What all ways are given."""
+    """The input of all methods."""
 
     settings: Settings
     table: ColorTable
-    candidates: Candidates
+    prefilter: ColorPrefilter
     frames: list[Bytes]
     windows: list[Boxes]
-    least_px: int
+    min_px: int
 
 
 def run() -> list[Row]:
@@ -98,8 +98,8 @@ def _scene(settings: Settings) -> Scene:
     corner = np.array([settings.field.length_m, settings.field.width_m]) / 2
     dot_px = DOT_M * camera.pixels_per_metre(corner.tolist(), settings.robots.height_m)
     table = compile_color_table(settings.colors)
-    least = least_height_px(dot_px, settings.blobs.row_step)
-    return Scene(settings, table, candidate_test(table), frames, windows, least)
+    min_px = min_height_px(dot_px, settings.blobs.row_step)
+    return Scene(settings, table, prefilter_from(table), frames, windows, min_px)
 
 
 def _windows(truth: Truth, camera: CameraModel, settings: Settings) -> Boxes:
@@ -111,21 +111,21 @@ def _windows(truth: Truth, camera: CameraModel, settings: Settings) -> Boxes:
     return np.hstack([centers - half, centers + half]).round().astype(np.int32)
 
 
-class Ways:
-    """Every way to segment a scene, each with memory of its own."""
+class Methods:
+    """Every method to segment a scene, each with memory of its own."""
 
     def __init__(self, scene: Scene) -> None:
         settings, frames = scene.settings, scene.frames
         size = settings.camera.width_px, settings.camera.height_px
-        classic = Segmenter(*size, settings.blobs)
-        whole, windows = (FastSegmenter(*size, settings.blobs, scene.least_px) for _ in range(2))
+        reference = ReferenceSegmenter(*size, settings.blobs)
+        whole, windows = (RowScanSegmenter(*size, settings.blobs, scene.min_px) for _ in range(2))
         copy = np.empty_like(frames[0])
-        table, test = scene.table, scene.candidates
-        self.blobs: dict[str, Table] = {CLASSIC: classic.blobs, WHOLE: whole.blobs, WINDOWS: windows.blobs}
-        self.calls: dict[str, Way] = {
-            CLASSIC: lambda number: classic.segment(frames[number], table)[0],
-            WHOLE: lambda number: whole.segment(frames[number], table, test)[0],
-            WINDOWS: lambda number: windows.segment(frames[number], table, test, scene.windows[number])[0],
+        table, prefilter = scene.table, scene.prefilter
+        self.blobs: dict[str, Table] = {REFERENCE: reference.blobs, WHOLE: whole.blobs, WINDOWS: windows.blobs}
+        self.calls: dict[str, Method] = {
+            REFERENCE: lambda number: reference.segment(frames[number], table)[0],
+            WHOLE: lambda number: whole.segment(frames[number], table, prefilter)[0],
+            WINDOWS: lambda number: windows.segment(frames[number], table, prefilter, scene.windows[number])[0],
         }
         twin, self.word = twin_of(scene)
         if twin is not None:
@@ -138,9 +138,9 @@ def _copy(copy: Bytes, pixels: Bytes) -> int:
     return 0
 
 
-def twin_of(scene: Scene) -> tuple[tuple[Way, Table] | None, str]:
-    """The classic in C and the table that it fills, or None and why there is none."""
-    library, word = load_twin("segmentation")
+def twin_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
+    """The reference in C and the table that it fills, or None and why there is none."""
+    library, word = load_library("segmentation")
     if library is None:
         return None, word
     camera, chosen = scene.settings.camera, scene.settings.blobs
@@ -163,12 +163,12 @@ def twin_of(scene: Scene) -> tuple[tuple[Way, Table] | None, str]:
 
 
 def _measure(size: str, scene: Scene) -> list[Row]:
-    ways = Ways(scene)
-    recall = {name: _recall(scene, ways, name) for name in ways.blobs}
-    times: dict[str, list[float]] = {name: [] for name in ways.calls}
-    apart = FRAMES // len(ways.calls)
+    methods = Methods(scene)
+    recall = {name: _recall(scene, methods, name) for name in methods.blobs}
+    times: dict[str, list[float]] = {name: [] for name in methods.calls}
+    apart = FRAMES // len(methods.calls)
     for turn in range((WARM_ROUNDS + ROUNDS) * FRAMES):
-        for place, (name, call) in enumerate(ways.calls.items()):
+        for place, (name, call) in enumerate(methods.calls.items()):
             number = (turn + apart * place) % FRAMES
             began = time.perf_counter()
             call(number)
@@ -176,26 +176,26 @@ def _measure(size: str, scene: Scene) -> list[Row]:
     took = {name: float(np.median(seconds[WARM_ROUNDS * FRAMES :])) for name, seconds in times.items()}
     rows = [_row(f"{size}: {name}", took[name] * US_PER_S, "us") for name in took]
     if TWIN not in took:
-        rows.append(_row(f"{size}: {TWIN}: {ways.word}", None, ""))
+        rows.append(_row(f"{size}: {TWIN}: {methods.word}", None, ""))
     for name, goal in ((WHOLE, GOALS[size]), (WINDOWS, None)):
-        rows.append(_ratio(f"{size}: {name}, of the classic", took[name], took[CLASSIC], goal))
+        rows.append(_ratio(f"{size}: {name}, of the reference", took[name], took[REFERENCE], goal))
     rows.append(_ratio(f"{size}: {WHOLE}, of a memcpy (moonshot)", took[WHOLE], took[MEMCPY], 1.0))
     if TWIN in took:
-        rows.append(_ratio(f"{size}: {WHOLE}, of the classic in C", took[WHOLE], took[TWIN], None))
-        rows.append(_ratio(f"{size}: classic, of the classic in C", took[CLASSIC], took[TWIN], None))
+        rows.append(_ratio(f"{size}: {WHOLE}, of the reference in C", took[WHOLE], took[TWIN], None))
+        rows.append(_ratio(f"{size}: reference, of the reference in C", took[REFERENCE], took[TWIN], None))
     for name, share in recall.items():
-        if name != CLASSIC:
+        if name != REFERENCE:
             rows.append({**_row(f"{size}: recall, {name}", share, ""), "goal": "1.0", "met": share == 1.0})
     return rows
 
 
-def _recall(scene: Scene, ways: Ways, name: str) -> float:
-    """Share of the classic's marker blobs that a way has, to the bit."""
+def _recall(scene: Scene, methods: Methods, name: str) -> float:
+    """Share of the reference's marker blobs that a method finds, to the bit."""
     asked = found = 0
     for number, windows in enumerate(scene.windows):
-        expected = ways.blobs[CLASSIC][: ways.calls[CLASSIC](number)].copy()
-        have = set(ways.blobs[name][: ways.calls[name](number)].tolist())
-        tall = expected[expected["bottom"] - expected["top"] + 1 >= scene.least_px]
+        expected = methods.blobs[REFERENCE][: methods.calls[REFERENCE](number)].copy()
+        have = set(methods.blobs[name][: methods.calls[name](number)].tolist())
+        tall = expected[expected["bottom"] - expected["top"] + 1 >= scene.min_px]
         for blob in tall:
             x, y = blob["x_px"], blob["y_px"]
             inside = (windows[:, 0] <= x) & (x <= windows[:, 2]) & (windows[:, 1] <= y) & (y <= windows[:, 3])
@@ -205,14 +205,14 @@ def _recall(scene: Scene, ways: Ways, name: str) -> float:
 
 
 def _row(name: str, value: float | None, unit: str) -> Row:
-    return {"name": name, "value": value, "unit": unit, "twin": None, "ratio": None, "goal": None, "met": None}
+    return {"name": name, "value": value, "unit": unit, "baseline": None, "ratio": None, "goal": None, "met": None}
 
 
 def _ratio(name: str, took: float, other: float, goal: float | None) -> Row:
     ratio = took / other
     return {
         **_row(name, took * US_PER_S, "us"),
-        "twin": other * US_PER_S,
+        "baseline": other * US_PER_S,
         "ratio": ratio,
         "goal": None if goal is None else f"<= {goal:.2f}x",
         "met": None if goal is None else ratio <= goal,

@@ -1,4 +1,4 @@
-"""Starts and stops the real service for a benchmark or a test, on free ports of loopback."""
+"""Starts the real service (``pslv serve``) for a benchmark or a test, on free ports of loopback, and stops it."""
 
 import contextlib
 import json
@@ -16,50 +16,54 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-START_PATIENCE_S = 180.0
-STOP_PATIENCE_S = 10.0
+from vision_core.net.control import Attached, attach_to
+
+START_TIMEOUT_S = 180.0
+STOP_TIMEOUT_S = 10.0
 
 
 @dataclass
 class RunningService:
-    """A service that runs."""
+    """A service that runs and is ready."""
 
     process: subprocess.Popen[str]
     http: str
+    """Address of its page."""
     udp_port: int
 
     @property
     def control(self) -> str:
-        """Name of its control socket, for ``vision_core.net.control``."""
+        """Name of its control socket; see ``vision_core.net.control``."""
         return f"pslv/{self.http.rpartition(':')[2]}"
 
     def get(self, path: str) -> tuple[int, Any]:
-        """Status code and decoded JSON (or bytes) of a page."""
+        """Status code and body of a page: decoded when it is JSON, else bytes."""
         try:
-            with urllib.request.urlopen(self.http + path, timeout=5.0) as answer:
-                code, body, kind = answer.status, answer.read(), answer.headers.get_content_type()
+            with urllib.request.urlopen(self.http + path, timeout=5.0) as response:
+                code, body, kind = response.status, response.read(), response.headers.get_content_type()
         except urllib.error.HTTPError as error:
             code, body, kind = error.code, error.read(), error.headers.get_content_type()
         return code, json.loads(body) if kind.endswith("json") else body
 
     def pids(self) -> dict[str, int]:
-        """Process ids of all running processes by name."""
+        """Ids of all its running processes by name."""
         status = self.get("/api/v1/status")[1]
         return {row["name"]: row["pid"] for row in status["processes"] if row["pid"] is not None}
 
     def stop(self, number: signal.Signals = signal.SIGTERM) -> int:
-        """Stop it; returns its exit status."""
+        """Stop it with a signal. Returns its exit status."""
         self.process.send_signal(number)
-        return self.process.wait(timeout=STOP_PATIENCE_S)
+        return self.process.wait(timeout=STOP_TIMEOUT_S)
 
 
 @contextlib.contextmanager
 def running_service(
     *options: str, data_folder: Path | None = None, variables: Mapping[str, str] | None = None
 ) -> Iterator[RunningService]:
-    """A service on free ports, ready; ended when the block ends, whatever happens in it.
+    """A ready service on free ports; it is stopped at the end of the block, also after an error.
 
-    variables: of its environment, beside ours.
+    options: further arguments of ``pslv serve``. variables: further environment variables. Raises RuntimeError with the
+    service's log when it ends or is not ready within START_TIMEOUT_S.
     """
     with tempfile.TemporaryFile("w+") as log:
         environment = {**os.environ, **(variables or {})}
@@ -78,15 +82,28 @@ def running_service(
         finally:
             process.send_signal(signal.SIGTERM)
             try:
-                process.wait(timeout=STOP_PATIENCE_S)
+                process.wait(timeout=STOP_TIMEOUT_S)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
 
 
 @contextlib.contextmanager
+def attached_service(
+    settings: str, *options: str, variables: Mapping[str, str] | None = None
+) -> Iterator[tuple[RunningService, Attached]]:
+    """``running_service`` with a settings file of a text, and its database."""
+    with contextlib.ExitStack() as stack:
+        path = stack.enter_context(configured(settings))
+        service = stack.enter_context(running_service("--config", path, *options, variables=variables))
+        attached = attach_to(service.control)
+        stack.callback(attached.close)
+        yield service, attached
+
+
+@contextlib.contextmanager
 def configured(text: str) -> Iterator[str]:
-    """A settings file for the service's ``--config``, there while the block runs; yields its path."""
+    """A settings file with a text, for the service's ``--config``. Yields its path; the block's end removes it."""
     with tempfile.TemporaryDirectory(prefix="pslv-bench-") as folder:
         path = Path(folder) / "bench.toml"
         path.write_text(text, encoding="utf-8")
@@ -94,7 +111,7 @@ def configured(text: str) -> Iterator[str]:
 
 
 def is_alive(pid: int) -> bool:
-    """Does a process run? One that has ended and waits for its parent does not."""
+    """Does a process run? A zombie does not."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except FileNotFoundError:
@@ -102,9 +119,9 @@ def is_alive(pid: int) -> bool:
 
 
 def _ready(process: subprocess.Popen[str], log: Any) -> RunningService:
-    """Wait until the service says that it is ready."""
+    """Wait until the service has logged its addresses and /readyz answers 200."""
     began = time.monotonic()
-    while time.monotonic() - began < START_PATIENCE_S:
+    while time.monotonic() - began < START_TIMEOUT_S:
         time.sleep(0.02)
         log.seek(0)
         text = log.read()

@@ -1,12 +1,16 @@
-"""Torn reads of the real-time database: one writer and four readers, each a process of its own, at full speed.
+"""Torn reads of the real-time database: how often readers accept a value that was only half written. Must be 0.
 
-Every payload proves itself, without the ring's checksum: its length, its instants and every 64-bit word follow from
-the number of the write, and no word equals the one that another write puts in its place. A reader compares the whole
-of what it was given with what it should be; one wrong byte makes a wrong payload.
+Setup: one writer and four readers, each a process of its own, at full speed on one record. Three trials: a packed
+record of 4 kB with checksum, as tasks exchange them; an image of 900 kB without checksum, written in place; and a
+record of 4 kB without checksum whose writer is a C program (``baselines/ring.c``). It writes in bursts, so that readers
+are overtaken in the middle of a copy again and again and the sequence numbers alone must detect it.
 
-The controls show that the test can fail: the same processes on a ring of one slot whose reader looks at no sequence
-number. Where there is a compiler, a writer in C (``twins/ring.c``) fills the ring in bursts, without checksum, so that
-readers are overtaken in the middle of a copy again and again, and the sequence numbers alone must notice.
+Measured: wrong payloads that a reader accepted, beside the numbers of writes and reads. Every payload can be checked
+without the ring's own checksum (``PayloadCheck``): its length, its instants and each 64-bit word follow from the
+sequence number, and no word equals that of another write. One wrong byte makes a payload wrong.
+
+Each trial has a control that must find wrong payloads, else the trial proves nothing: the same processes on a ring of
+one slot, with readers that ignore the sequence numbers.
 
     python -m bench.torn_reads {write,read} TRIAL DESCRIPTOR        one of the processes; ``measure`` starts them
 """
@@ -25,6 +29,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.baselines.build import build_program
+from bench.helpers import READY, ROOT
 from bench.runner import Row
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.geometry import Bytes
@@ -32,53 +37,52 @@ from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.slots import SlotReader, SlotView, SlotWriter
 from vision_core.rtdb.store import Store, create_block
 
-ROOT = Path(__file__).parents[1]
 READERS = 4
 CONTROL_SHARE = 1 / 6
-"""Of the time: a control shows at once what it shows."""
-FIRST_WRITE_NAP_S = 0.001
+"""Of a trial's duration."""
+FIRST_WRITE_POLL_S = 0.001
 STEP, STRIDE, WORD = 0x9E3779B97F4A7C15, 0xD1B54A32D192ED03, (1 << 64) - 1
-"""Odd, so that two writes agree in no word. As in ``twins/ring.c``."""
+"""Odd, so that no word of one write equals that of another. The same as in ``baselines/ring.c``."""
 MEASURED_NS, TOOK_NS = 1000, 7
 
 Tally = dict[str, int]
-Delivered = tuple[int, Instant, Instant, Bytes]
-"""Sequence, measured, written and payload that a reader was given as good."""
+Accepted = tuple[int, Instant, Instant, Bytes]
+"""What a reader accepted as a value: sequence number, instants measured and written, payload."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One record and how it is written and read."""
+    """One record, and how it is written and read."""
 
     title: str
     spec: RecordSpec
     image: bool = False
-    """Written in place, all of it, and read as ``tasks.images`` does; otherwise packed and of varying length."""
-    careless: bool = False
-    """Readers look at no sequence number."""
-    twin: bool = False
-    """The writer is the one in C."""
+    """Written in place and read as ``scheduling.latest_image`` does; otherwise packed, of varying length."""
+    ignores_sequence: bool = False
+    """Readers do not check the sequence numbers."""
+    writer_in_c: bool = False
+    """The writer is the baseline in C."""
 
     def control(self) -> "Trial":
-        """The same record where it can be torn."""
-        return replace(self, spec=replace(self.spec, slots=1, checksum=False), careless=True)
+        """The same record in a setup in which torn reads are accepted."""
+        return replace(self, spec=replace(self.spec, slots=1, checksum=False), ignores_sequence=True)
 
 
 PACKED = Trial("packed record of 4 kB, CRC", RecordSpec("packed", 4096, 0.0))
 IMAGE = Trial("image of 900 kB, no CRC", RecordSpec("image", 640 * 480 * 3, 0.0, checksum=False), image=True)
-HASTY = Trial("record of 4 kB, no CRC, writer in C", RecordSpec("hasty", 4096, 0.0, checksum=False), twin=True)
+BURSTS = Trial("record of 4 kB, no CRC, writer in C", RecordSpec("bursts", 4096, 0.0, checksum=False), writer_in_c=True)
 TRIALS = {
     "packed": PACKED,
     "packed-control": PACKED.control(),
     "image": IMAGE,
     "image-control": IMAGE.control(),
-    "hasty": HASTY,
-    "hasty-control": HASTY.control(),
+    "bursts": BURSTS,
+    "bursts-control": BURSTS.control(),
 }
 
 
-class Proof:
-    """What write number k of a trial must be."""
+class PayloadCheck:
+    """The payload of each write of a trial, by its sequence number."""
 
     def __init__(self, trial: Trial) -> None:
         self._capacity = trial.spec.capacity
@@ -88,30 +92,30 @@ class Proof:
         self._words = np.empty_like(self._table)
 
     def length(self, sequence: int) -> int:
-        """Length of a payload [bytes]."""
+        """Length of the payload with a sequence number [bytes]."""
         return self._capacity - sequence * 7919 % self._spread
 
     def fill(self, memory: memoryview, sequence: int) -> None:
-        """Write a whole payload in place."""
+        """Write the payload at full length into memory."""
         np.bitwise_xor(self._table, np.uint64(sequence * STEP & WORD), out=np.frombuffer(memory, dtype=np.uint64))
 
     def payload(self, sequence: int) -> Bytes:
-        """A payload, in memory that the next call uses again."""
+        """The payload, shape (n,); the next call overwrites it."""
         self.fill(self._words.data.cast("B"), sequence)
         return self._words.view(np.uint8)[: self.length(sequence)]
 
-    def holds(self, delivered: Delivered) -> bool:
-        """Is it what was written, in every byte?"""
-        sequence, measured, written, payload = delivered
-        due = measured_at(sequence)
-        return (measured, written) == (due, due + TOOK_NS) and np.array_equal(payload, self.payload(sequence))
+    def is_correct(self, accepted: Accepted) -> bool:
+        """Is an accepted value what was written, in every byte?"""
+        sequence, measured, written, payload = accepted
+        expected = measured_at(sequence)
+        return (measured, written) == (expected, expected + TOOK_NS) and np.array_equal(payload, self.payload(sequence))
 
 
-class CarelessReader(SlotReader):
-    """The control: takes what lies in the slot."""
+class UncheckedReader(SlotReader):
+    """The control's reader: ignores the sequence numbers."""
 
     def view(self) -> SlotView | None:
-        """The slot in place, finished or not."""
+        """The newest slot, whether its write has finished or not."""
         sequence = self.sequence
         index = sequence % self.spec.slots
         _begun, _ended, measured, written, length, _checksum = self._fields[index].tolist()
@@ -119,17 +123,17 @@ class CarelessReader(SlotReader):
         return SlotView(payload, sequence, Instant(measured), Instant(written)) if sequence else None
 
     def is_unchanged(self, view: SlotView) -> bool:  # noqa: ARG002
-        """Never in doubt."""
+        """Always True."""
         return True
 
 
 def run(seconds: float = 60.0) -> list[Row]:
-    """Every trial with its control; seconds: how long a trial lasts."""
+    """Every trial with its control. seconds: how long a trial lasts."""
     rows: list[Row] = []
-    for key in ("packed", "image", "hasty"):
-        program, word = build_program("ring") if TRIALS[key].twin else (None, "")
-        if TRIALS[key].twin and program is None:
-            rows.append({"name": f"{TRIALS[key].title}: {word}"})
+    for key in ("packed", "image", "bursts"):
+        program, message = build_program("ring") if TRIALS[key].writer_in_c else (None, "")
+        if TRIALS[key].writer_in_c and program is None:
+            rows.append({"name": f"{TRIALS[key].title}: {message}"})
             continue
         tally = measure(key, seconds, program)
         control = measure(f"{key}-control", seconds * CONTROL_SHARE, program)
@@ -138,31 +142,32 @@ def run(seconds: float = 60.0) -> list[Row]:
 
 
 def _rows(title: str, tally: Tally, control: Tally) -> list[Row]:
-    answered = tally["reads"] > tally["none"]
-    wrong, torn = tally["wrong"], control["wrong"]
+    has_values = tally["reads"] > tally["none"]
+    name = f"{title}: control, one slot, sequence ignored"
+    wrong, control_wrong = tally["wrong"], control["wrong"]
     return [
-        {"name": f"{title}: wrong payloads delivered", "value": wrong, "goal": "0", "met": answered and wrong == 0},
+        {"name": f"{title}: wrong payloads accepted", "value": wrong, "goal": "0", "met": has_values and wrong == 0},
         {"name": f"{title}: writes", "value": tally["writes"]},
         {"name": f"{title}: reads by {READERS} readers", "value": tally["reads"]},
         {"name": f"{title}: reads without a value", "value": tally["none"]},
-        {"name": f"{title}: control, one slot, unchecked: wrong", "value": torn, "goal": "> 0", "met": torn > 0},
-        {"name": f"{title}: control, one slot, unchecked: reads", "value": control["reads"]},
+        {"name": f"{name}: wrong payloads accepted", "value": control_wrong, "goal": "> 0", "met": control_wrong > 0},
+        {"name": f"{name}: reads", "value": control["reads"]},
     ]
 
 
 def measure(key: str, seconds: float, program: Path | None = None) -> Tally:
-    """Run one trial: how often was written and read, and with what result.
+    """Run one trial. Returns the numbers of writes, reads, reads without a value, and wrong payloads.
 
-    program: the writer in C, for trials that want it. Raises RuntimeError when a process fails.
+    program: the writer in C, for trials that need it. Raises RuntimeError when a process fails.
     """
     trial = TRIALS[key]
     descriptor = create_block([trial.spec])
-    itself = [sys.executable, "-m", "bench.torn_reads"]
-    writer = [*itself, "write", key, str(descriptor)]
-    if trial.twin:
+    module = [sys.executable, "-m", "bench.torn_reads"]
+    writer = [*module, "write", key, str(descriptor)]
+    if trial.writer_in_c:
         layout = (trial.spec.capacity, trial.spec.slots, trial.spec.slot_bytes)
         writer = [str(program), str(descriptor), *map(str, layout)]
-    commands = [writer, *([*itself, "read", key, str(descriptor)] for _ in range(READERS))]
+    commands = [writer, *([*module, "read", key, str(descriptor)] for _ in range(READERS))]
     with contextlib.ExitStack() as stack:
         stack.callback(os.close, descriptor)
         processes = [stack.enter_context(_started(command, descriptor)) for command in commands]
@@ -178,11 +183,11 @@ def _started(command: list[str], descriptor: int) -> "subprocess.Popen[str]":
 
 
 def _collected(processes: list["subprocess.Popen[str]"], seconds: float) -> list[Tally]:
-    """Let all begin when all are ready; what each printed."""
+    """Start all processes when all are ready. Returns what each printed."""
     for process in processes:
         assert process.stdout is not None
-        if (said := process.stdout.readline().strip()) != "ready":
-            raise RuntimeError(f"{process.args!r} should say 'ready'; it said {said!r}")
+        if (line := process.stdout.readline().strip()) != READY:
+            raise RuntimeError(f"{process.args!r}: its first line is {line!r}; {READY!r} was expected")
     end = time.monotonic_ns() + round(seconds * NS_PER_S)
     for process in processes:
         assert process.stdin is not None
@@ -190,64 +195,64 @@ def _collected(processes: list["subprocess.Popen[str]"], seconds: float) -> list
         process.stdin.flush()
     tallies = []
     for process in processes:
-        said, _ = process.communicate()
+        output, _ = process.communicate()
         if process.returncode:
             raise RuntimeError(f"{process.args!r} ended with {process.returncode}; 0 was expected")
-        tallies.append(json.loads(said))
+        tallies.append(json.loads(output))
     return tallies
 
 
 def measured_at(sequence: int) -> Instant:
-    """The instant that a write says it was measured at; it says that it was written TOOK_NS later."""
+    """The instant measured of a write, by its sequence number; the instant written is TOOK_NS later."""
     return Instant(sequence * MEASURED_NS)
 
 
 def write(trial: Trial, descriptor: int, end: int) -> Tally:
-    """Write until an instant."""
-    writer, proof, sequence = Store([trial.spec], descriptor).writer(trial.spec.name), Proof(trial), 0
+    """Write until an instant [ns of CLOCK_MONOTONIC]. Returns the number of writes."""
+    writer, check, sequence = Store([trial.spec], descriptor).writer(trial.spec.name), PayloadCheck(trial), 0
     while time.monotonic_ns() < end:
         sequence += 1
-        publish(trial, writer, proof, sequence)
+        publish(trial, writer, check, sequence)
     return {"writes": sequence}
 
 
-def publish(trial: Trial, writer: SlotWriter, proof: Proof, sequence: int) -> None:
+def publish(trial: Trial, writer: SlotWriter, check: PayloadCheck, sequence: int) -> None:
     """Write one payload."""
     measured = measured_at(sequence)
     if trial.image:
-        proof.fill(writer.begin(), sequence)
-        writer.commit(proof.length(sequence), measured, Instant(measured + TOOK_NS))
+        check.fill(writer.begin(), sequence)
+        writer.commit(check.length(sequence), measured, Instant(measured + TOOK_NS))
     else:
-        writer.write(proof.payload(sequence).data, measured, Instant(measured + TOOK_NS))
+        writer.write(check.payload(sequence).data, measured, Instant(measured + TOOK_NS))
 
 
 def read(trial: Trial, descriptor: int, end: int) -> Tally:
-    """Read until an instant, from the first write on."""
-    reader, proof, reads, none, wrong = reader_of(trial, descriptor), Proof(trial), 0, 0, 0
-    take = taking_images(reader) if trial.image else taking_values(reader)
+    """Read and check from the first write until an instant [ns of CLOCK_MONOTONIC]. Returns the counts."""
+    reader, check, reads, none, wrong = reader_of(trial, descriptor), PayloadCheck(trial), 0, 0, 0
+    take = image_reader(reader) if trial.image else value_reader(reader)
     while not reader.sequence and time.monotonic_ns() < end:
-        time.sleep(FIRST_WRITE_NAP_S)
+        time.sleep(FIRST_WRITE_POLL_S)
     while time.monotonic_ns() < end:
         reads += 1
-        delivered = take()
-        if delivered is None:
+        accepted = take()
+        if accepted is None:
             none += 1
-        elif not proof.holds(delivered):
+        elif not check.is_correct(accepted):
             wrong += 1
     return {"reads": reads, "none": none, "wrong": wrong}
 
 
 def reader_of(trial: Trial, descriptor: int) -> SlotReader:
-    """The reader of a trial's record, careless or not."""
-    if not trial.careless:
+    """The reader of a trial's record."""
+    if not trial.ignores_sequence:
         return Store([trial.spec], descriptor).reader(trial.spec.name)
-    return CarelessReader(memoryview(mmap.mmap(descriptor, trial.spec.total_bytes)), trial.spec)
+    return UncheckedReader(memoryview(mmap.mmap(descriptor, trial.spec.total_bytes)), trial.spec)
 
 
-def taking_values(reader: SlotReader) -> Callable[[], Delivered | None]:
-    """Reads as everybody does who reads a packed record: up to three tries."""
+def value_reader(reader: SlotReader) -> Callable[[], Accepted | None]:
+    """Reads packed values as the tasks do, with up to three attempts."""
 
-    def take() -> Delivered | None:
+    def take() -> Accepted | None:
         reading = reader.read(Instant(0))
         if reading is None:
             return None
@@ -256,11 +261,11 @@ def taking_values(reader: SlotReader) -> Callable[[], Delivered | None]:
     return take
 
 
-def taking_images(reader: SlotReader) -> Callable[[], Delivered | None]:
-    """Takes copies as ``tasks.images`` does, with one try; None when the slot was overwritten meanwhile."""
+def image_reader(reader: SlotReader) -> Callable[[], Accepted | None]:
+    """Copies images as ``scheduling.latest_image`` does, in one attempt; None when the slot was overwritten."""
     copy = np.empty(reader.spec.capacity, dtype=np.uint8)
 
-    def take() -> Delivered | None:
+    def take() -> Accepted | None:
         view = reader.view()
         if view is None:
             return None
@@ -272,8 +277,8 @@ def taking_images(reader: SlotReader) -> Callable[[], Delivered | None]:
 
 
 def main(role: str, key: str, descriptor: str) -> None:
-    """One process of a trial: says that it is ready, is told the end [ns], prints its tally."""
-    print("ready", flush=True)
+    """One process of a trial: prints ``ready``, reads the end [ns] from standard input, prints its counts."""
+    print(READY, flush=True)
     work = {"write": write, "read": read}[role]
     print(json.dumps(work(TRIALS[key], int(descriptor), int(sys.stdin.readline()))))
 

@@ -6,17 +6,16 @@ two measurements, not during one.
 
 import contextlib
 import ctypes
-import random
 import socket
 import time
 from collections.abc import Callable
 
 import numpy as np
 
-from bench.baselines.build import load_twin
+from bench.baselines.build import load_library
 from bench.runner import Row
 from vision_core.clock import Instant
-from vision_core.net.batch import Batch, Lines
+from vision_core.net.delivery import Batch, DeliveryTable, new_rows
 from vision_core.net.udp import SessionSocket
 
 CLIENTS = (22, 200)
@@ -39,23 +38,24 @@ def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
     server = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
     server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     server.bind(("127.0.0.1", 0))
-    clients, lines = [], []
+    clients, sessions = [], []
     for _ in range(count):
         client = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         client.bind(("127.0.0.1", 0))
         client.setblocking(False)
         clients.append(client)
-        line = SessionSocket(server, "127.0.0.1", (*client.getsockname(), 0))
-        stack.callback(line.close)
-        lines.append(line)
+        session = SessionSocket(server, "127.0.0.1", (*client.getsockname(), 0))
+        stack.callback(session.close)
+        sessions.append(session)
     batch = Batch.of([DATAGRAM] * count)
-    table = Lines(Instant(0), random.Random(1))
-    table.resize(count)["descriptor"] = [line.fileno() for line in lines]
+    table = DeliveryTable(Instant(0), seed=1)
+    table.replace(new_rows(count))
+    table.rows["descriptor"] = [session.fileno() for session in sessions]
     ways: dict[str, Callable[[], object]] = {"compiled": lambda: table.send(Instant(1), batch)}
     twin, word = _twin(table, batch)
     if twin is not None:
         ways["C"] = twin
-    ways["Python"] = lambda: [line.send(DATAGRAM) for line in lines]
+    ways["Python"] = lambda: [session.send(DATAGRAM) for session in sessions]
     times = _in_turns(list(ways.values()), clients)
     took = dict(zip(ways, times, strict=True))
     ratio = took["compiled"] / took["C"] if "C" in took else None
@@ -65,18 +65,18 @@ def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
             "name": f"{name}, twin in C" if ratio is not None else f"{name} ({word})",
             "value": took["compiled"],
             "unit": "us",
-            "twin": took.get("C"),
+            "baseline": took.get("C"),
             "ratio": ratio,
             "goal": f"<= {GOAL_RATIO}x",
             "met": None if ratio is None else ratio <= GOAL_RATIO,
         },
         {"name": f"{name}, against a loop in Python", "value": took["compiled"], "unit": "us",
-         "twin": took["Python"], "ratio": took["compiled"] / took["Python"]},
+         "baseline": took["Python"], "ratio": took["compiled"] / took["Python"]},
     ]  # fmt: skip
 
 
-def _twin(table: Lines, batch: Batch) -> tuple[Callable[[], object] | None, str]:
-    library, word = load_twin("fanout")
+def _twin(table: DeliveryTable, batch: Batch) -> tuple[Callable[[], object] | None, str]:
+    library, word = load_library("udp_send")
     if library is None:
         return None, word
     count = len(table.rows)
@@ -91,7 +91,7 @@ def _twin(table: Lines, batch: Batch) -> tuple[Callable[[], object] | None, str]
 
 
 def _in_turns(ways: list[Callable[[], object]], clients: list[socket.socket]) -> list[float]:
-    """Median duration of each way [us]; who goes first changes."""
+    """Median duration of each way [us]; they take turns to be first."""
     seconds: list[list[float]] = [[] for _ in ways]
     for number in range(ROUNDS):
         for turn in range(len(ways)):

@@ -12,7 +12,7 @@ def bench(
     names: Annotated[list[str] | None, typer.Argument(help="Which; without a name all.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="One line of JSON per benchmark.")] = False,
 ) -> None:
-    """Measure every published figure, with its twin in the same run."""
+    """Measure every published figure, with its baseline in the same run; `python -m bench --help` lists them."""
     if find_spec("bench") is None:
         raise PslvError("pslv bench", found="an installed package", accepted="a checkout of the repository")
     from bench.runner import BENCHMARKS, run_all

@@ -25,9 +25,10 @@ def selftest(
     import msgspec
 
     from vision_core.rtdb.infos import SelfTest
+    from vision_core.scheduling import selftest as selftest_module
 
-    told = child_of_python("vision_core.scheduling.selftest", str(seconds))
-    result = msgspec.json.decode(told, type=SelfTest)
+    printed = child_of_python(selftest_module.__name__, str(seconds))
+    result = msgspec.json.decode(printed, type=SelfTest)
     if as_json:
         typer.echo(json.dumps(asdict(result)))
         return

@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import subprocess
 import sys
 import webbrowser
 from dataclasses import replace
@@ -13,10 +12,8 @@ import typer
 from app import __version__
 from app.commands.options import ConfigFile, Venue
 from app.commands.progress import Progress, print_line
-from vision_core.errors import PslvError
 
 if TYPE_CHECKING:
-    from vision_core.rtdb.infos import SelfTest
     from vision_core.settings.schema import Settings
 
 
@@ -60,8 +57,9 @@ def serve(
 
 
 def _run(settings: "Settings") -> int:
-    """The service until somebody stops it; its exit status."""
+    """Run the service until it is stopped. Returns its exit status."""
     from app.launch.plan import plan_service, prepare_kernel_folder
+    from app.launch.preflight import preflight
     from app.launch.resource_owners import lock_camera
     from app.supervisor.supervisor import Supervisor
     from vision_core.rtdb import records
@@ -73,48 +71,10 @@ def _run(settings: "Settings") -> int:
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
         plan, info = plan_service(settings, __version__)
-        machine = _try_out(settings)
+        machine = preflight(settings, print_line)
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
         print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
         print_line(in_words(machine))
         if os.environ.get("DISPLAY") and sys.stdout.isatty():
             webbrowser.open(info.http)
         return Supervisor(plan, print_line, Progress().show).run()
-
-
-def _try_out(settings: "Settings") -> "SelfTest":
-    """Open the source once, and see how well the machine keeps time: each in a process of its own, so that nothing is
-    half started when that fails. Raises PslvError."""
-    import msgspec
-
-    from vision_core.rtdb.infos import SelfTest
-
-    command = [sys.executable, "-m", "vision_core.scheduling.selftest"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, process_group=0) as timing, contextlib.ExitStack() as held:
-        held.callback(timing.kill)
-        opened = subprocess.run(
-            [sys.executable, "-m", "vision_core.startup.preflight"],
-            input=msgspec.json.encode(settings),
-            capture_output=True,
-            check=False,
-        )
-        if opened.returncode:
-            lines = opened.stderr.decode(errors="replace").strip().splitlines() or ["no word"]
-            raise PslvError((lines[-1] if opened.returncode == 2 else "\n".join(lines)) + _in_use_by(settings))
-        for line in opened.stderr.decode(errors="replace").splitlines():
-            print_line(line)
-        told = timing.communicate()[0]
-        if timing.returncode:
-            raise PslvError(
-                "self-test of the machine", found=f"exit status {timing.returncode}", accepted="pslv selftest"
-            )
-        return msgspec.json.decode(told, type=SelfTest)
-
-
-def _in_use_by(settings: "Settings") -> str:
-    """Who else has the camera open that could not be: any program may, not only a service."""
-    from app.launch.resource_owners import device_holder, device_path
-
-    device = settings.source.device
-    holder = device_holder(device_path(device)) if device is not None else None
-    return f"; {holder} has it open" if holder else ""

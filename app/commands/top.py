@@ -114,9 +114,9 @@ def _writers(attached: "Attached") -> dict[str, str]:
     """The writer of each record, by the task table of the service's own settings."""
     from vision_core.clock import MonotonicClock
     from vision_core.rtdb import records
-    from vision_core.tasks.table import GIVEN, task_table
+    from vision_core.tasks.table import GIVEN
 
-    table = task_table(records.SERVICE.reader(attached.store).value(MonotonicClock().now()).settings)
+    table = records.SERVICE.reader(attached.store).value(MonotonicClock().now()).tasks
     writers = {record: task.name for task in table for record in task.writes}
     for task in table:
         writers |= {f"task/{task.name}": task.name, f"timing/{task.name}": task.name}

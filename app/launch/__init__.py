@@ -1,1 +1,2 @@
-"""From settings to what the supervisor starts: ``plan``, and ``resource_owners`` (who holds a port or a camera)."""
+"""From settings to a running service: ``preflight`` (can it work?), ``plan`` (what the supervisor starts),
+``resource_owners`` (which process has a port or a camera open)."""

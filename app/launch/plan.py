@@ -12,6 +12,7 @@ import msgspec
 from app.launch.resource_owners import port_holder
 from app.supervisor.plan import ChildPlan, ServicePlan
 from app.web import PROCESS as WEB_PROCESS
+from vision_core import startup
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.native.kernel_folder import DAMAGED, VARIABLE, choose_kernel_folder, delete_damaged
@@ -21,8 +22,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
 from vision_core.settings.schema import Settings
-from vision_core.startup import COMPILE, PROCESS, SPARE
-from vision_core.tasks.table import COMPILER, record_specs, task_table
+from vision_core.tasks.table import COMPILER, RESPONDER, record_specs, task_table
 
 SPARES = ("spare-1", "spare-2")
 """Names of the warm spares; names of tasks have no dash."""
@@ -55,7 +55,7 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         http.close()
         raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
     tasks = task_table(settings)
-    children = (_compiler(), *_child_plans(tasks, settings))
+    children = (_compiler(), _responder(), *_child_plans(tasks, settings))
     with_heartbeat = (*(child.name for child in children), *SPARES)
     boot = time.monotonic_ns()
     info = ServiceInfo(
@@ -74,7 +74,7 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         boot=boot,
         spares=SPARES,
         control=f"{PREFIX}{http.getsockname()[1]}",
-        spare_module=SPARE,
+        spare_module=startup.SPARE,
     )
     return plan, info
 
@@ -101,7 +101,7 @@ def _compiler() -> ChildPlan:
     """The process that compiles the kernels, before everything that needs them."""
     return ChildPlan(
         name=COMPILER,
-        module=COMPILE,
+        module=startup.COMPILE,
         wakes=(),
         writes=(),
         sockets=(),
@@ -113,6 +113,23 @@ def _compiler() -> ChildPlan:
     )
 
 
+def _responder() -> ChildPlan:
+    """Runs from the start; while the task serve does not run, it tells clients that the server is not ready."""
+    return ChildPlan(
+        name=RESPONDER,
+        module=startup.RESPONDER,
+        wakes=(),
+        writes=(),
+        sockets=("main", "session"),
+        after_compile=False,
+        once=False,
+        heartbeat_s=HEARTBEAT_S + OWN_LOOP_S,
+        longest_run_s=ORDINARY_MAX_RUN_S,
+        spared=False,
+        purpose="answers clients while the server is not ready",
+    )
+
+
 def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPlan]:
     """Every process that the table names, in the table's order."""
     for process in dict.fromkeys(task.process for task in tasks):
@@ -120,7 +137,7 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
         own_loop = ours[0].own_loop
         yield ChildPlan(
             name=process,
-            module=WEB_PROCESS if own_loop else PROCESS,
+            module=WEB_PROCESS if own_loop else startup.PROCESS,
             wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
             writes=tuple(record for task in ours for record in task.writes),
             sockets=tuple(name for task in ours for name in task.sockets),

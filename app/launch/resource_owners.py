@@ -1,4 +1,4 @@
-"""Who holds it: the process behind a port, a device, or a camera's lock. What we may not look at has no name."""
+"""The process that has a port, a device or a camera's lock. A process that we may not inspect is not found."""
 
 import os
 import socket
@@ -9,7 +9,7 @@ from vision_core.errors import ServiceError
 from vision_core.net.unix_peers import process_and_user
 
 PREFIX = "pslv-camera/"
-"""Of the names of sockets that lock cameras."""
+"""Begins the names of the sockets that lock cameras."""
 TCP_LISTENING, UDP_BOUND = "0A", "07"
 BACKLOG = 64
 PATIENCE_S = 0.5
@@ -17,7 +17,7 @@ MAX_COMMAND = 120
 
 
 def port_holder(kind: str, port: int) -> str | None:
-    """Who has bound a port, "process 1234 (python -m app.main serve)"; None when nobody we may see.
+    """The process that has bound a port, "process 1234 (python -m app.main serve)"; None when none is found.
 
     kind: "tcp" or "udp".
     """
@@ -26,7 +26,7 @@ def port_holder(kind: str, port: int) -> str | None:
 
 
 def device_holder(path: str) -> str | None:
-    """Which other process has a device open; None when nobody we may see."""
+    """Another process that has a device open; None when none is found."""
     return _first(_holders({os.path.realpath(path)}) - {os.getpid()})
 
 
@@ -54,7 +54,7 @@ def lock_camera(device: str) -> socket.socket:
 
 
 def _lock_holder(path: str) -> str | None:
-    """Who holds a camera's lock."""
+    """The process that holds a camera's lock."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
         peer.settimeout(PATIENCE_S)
         try:
@@ -89,12 +89,12 @@ def _holders(targets: Collection[str]) -> set[int]:
 def _holds(process: Path, targets: Collection[str]) -> bool:
     try:
         return any(_target(descriptor) in targets for descriptor in (process / "fd").iterdir())
-    except OSError:  # it has ended, or is none of ours
+    except OSError:  # it has ended, or belongs to another user
         return False
 
 
 def _target(descriptor: Path) -> str:
-    """Where a descriptor leads; nowhere when it was closed just now."""
+    """The target of a descriptor; empty when it was closed meanwhile."""
     try:
         return str(descriptor.readlink())
     except OSError:
@@ -102,9 +102,9 @@ def _target(descriptor: Path) -> str:
 
 
 def _first(pids: set[int]) -> str | None:
-    """The one of some processes that the others have it from."""
-    founders = [pid for pid in sorted(pids) if _parent(pid) not in pids]
-    return _in_words(founders[0]) if founders else None
+    """The process from which the others inherited what they hold."""
+    ancestors = [pid for pid in sorted(pids) if _parent(pid) not in pids]
+    return _in_words(ancestors[0]) if ancestors else None
 
 
 def _parent(pid: int) -> int:
@@ -115,7 +115,7 @@ def _parent(pid: int) -> int:
 
 
 def _in_words(pid: int) -> str:
-    """A process and what it runs."""
+    """A process and its command."""
     try:
         words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace").rstrip("\0").split("\0")
     except OSError:

@@ -1,4 +1,5 @@
-"""C twins: small programs of our own, compiled by a benchmark when there is a compiler, to measure against.
+"""Baselines: small C programs of our own, which a benchmark compiles and measures in the same run as the product.
 
-The product itself needs no compiler; C lives in ``bench`` only. File: ``build``.
+Each says in its head comment which part of the product it repeats. The product itself needs no compiler; C lives in
+``bench`` only. ``build`` compiles and loads them.
 """

@@ -1,11 +1,11 @@
-/* Twin of the executive's periodic release: wakes on an absolute grid of CLOCK_MONOTONIC.
+/* Baseline of the executive's periodic release: a program that wakes on an absolute grid of CLOCK_MONOTONIC.
 
        activation PERIOD_NS COUNT PRIORITY [FIRST_NS [EARLY_NS]]
 
    Release k is due at FIRST_NS + k * PERIOD_NS; without FIRST_NS the first is due one period after the start. With
-   EARLY_NS it wakes so long before each and looks at the clock until the release is due, as ours do. Releases that
-   are past already when it could ask for them are skipped and counted, as ours are. With PRIORITY over 0 it asks for
-   SCHED_FIFO and locks its memory; where it may not, it says so and goes on.
+   EARLY_NS it wakes so long before each release and polls the clock until the release is due, as the executive does.
+   Releases that are already past are skipped and counted, as the executive does. With PRIORITY over 0 it asks for
+   SCHED_FIFO and locks its memory; when that is refused, it reports so and continues.
 
    Prints JSON: {"policy", "locked", "refused", "first_ns", "period_ns", "skipped", "wakes_ns": [...]}. */
 
@@ -34,7 +34,7 @@ static void sleep_until(int64_t instant)
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL) == EINTR) continue;
 }
 
-/* Fills the wakes; returns how many releases were skipped. */
+/* Runs count releases and notes when it woke for each [ns]. Returns how many releases were skipped. */
 static int64_t run(int64_t first, int64_t period, int64_t count, int64_t early, int64_t *wakes)
 {
     int64_t release = first, skipped = 0;

@@ -1,4 +1,4 @@
-"""One C file of this folder -> a library that is loaded or a program that can be run, or a word why there is none."""
+"""Compiles a C file of this folder into a library or a program, or says why that is not possible."""
 
 import atexit
 import ctypes
@@ -16,43 +16,42 @@ TIMEOUT_S = 120.0
 
 
 @cache
-def load_twin(name: str, *extra: str) -> tuple[ctypes.CDLL | None, str]:
-    """Compile ``<name>.c`` and load it: the library and the compiler's call, or None and the reason.
+def load_library(name: str, *extra: str) -> tuple[ctypes.CDLL | None, str]:
+    """Compile ``<name>.c`` and load it. Returns the library and the compiler's command, or None and the reason.
 
-    extra: further flags, for example "-lpthread". What is built lies in a temporary folder that is removed at once; the
-    loaded stays loaded. Set ``argtypes`` and ``restype`` of a function before calling it; arrays go in as
-    ``c_void_p(array.ctypes.data)``.
+    extra: further flags, for example "-lpthread". The file is removed at once; the loaded library stays. Set
+    ``argtypes`` and ``restype`` of a function before calling it; pass an array as ``c_void_p(array.ctypes.data)``.
     """
-    with tempfile.TemporaryDirectory(prefix="pslv-twin-") as folder:
+    with tempfile.TemporaryDirectory(prefix="pslv-baseline-") as folder:
         library = Path(folder) / f"{name}.so"
-        built, word = _compile(name, library, (*LIBRARY, *extra))
-        return (ctypes.CDLL(str(library)) if built else None), word
+        built, message = _compile(name, library, (*LIBRARY, *extra))
+        return (ctypes.CDLL(str(library)) if built else None), message
 
 
 @cache
 def build_program(name: str, *extra: str) -> tuple[Path | None, str]:
-    """Compile ``<name>.c`` into a program: its path and the compiler's call, or None and the reason.
+    """Compile ``<name>.c`` into a program. Returns its path and the compiler's command, or None and the reason.
 
-    extra: further flags. The program lies in a temporary folder that is removed when this process ends.
+    extra: further flags. The program is removed when this process ends.
     """
-    folder = Path(tempfile.mkdtemp(prefix="pslv-twin-"))
+    folder = Path(tempfile.mkdtemp(prefix="pslv-baseline-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     program = folder / name
-    built, word = _compile(name, program, extra)
-    return (program if built else None), word
+    built, message = _compile(name, program, extra)
+    return (program if built else None), message
 
 
 def _compile(name: str, target: Path, extra: tuple[str, ...]) -> tuple[bool, str]:
-    """Is the target built? And the compiler's call, or the reason."""
+    """Compile ``<name>.c``. Returns whether that succeeded, and the compiler's command or the reason."""
     compiler = next((path for word in COMPILERS if (path := shutil.which(word))), None)
     if compiler is None:
-        return False, f"no C compiler ({', '.join(COMPILERS)}): twins skipped"
+        return False, f"baselines in C are left out: no C compiler was found ({', '.join(COMPILERS)})"
     flags = [*FLAGS, *extra]
     command = [compiler, *FLAGS, str(FOLDER / f"{name}.c"), "-o", str(target), "-lm", *extra]
     try:
         built = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
     except subprocess.TimeoutExpired:
-        return False, f"{name}.c: the compiler took over {TIMEOUT_S:.0f} s: twin skipped"
+        return False, f"{name}.c is left out: the compiler took more than {TIMEOUT_S:.0f} s"
     if built.returncode:
-        return False, f"{name}.c does not compile: {built.stderr.strip()[:500]}"
+        return False, f"{name}.c does not compile: {built.stderr.strip()[:200]}"
     return True, " ".join([Path(compiler).name, *flags])

@@ -1,18 +1,18 @@
-/* Twin of the way from a frame that is ready to the last client's datagram: capture -> perceive -> serve -> 22 clients.
+/* Baseline of the frame path: capture -> perceive -> serve -> 22 clients, as four processes without the pipeline.
 
        handover RATE_HZ FRAMES PERCEIVE_US SERVE_US
 
-   Four processes. The publisher (SCHED_FIFO 50, as capture) writes an instant into shared memory on an absolute grid and
-   raises an eventfd; perceive (45) and serve (40) wait for theirs, take the newest frame, are busy for a given time on
-   the processor, and raise the next one, or send 22 datagrams of 1150 bytes through connected sockets over loopback.
-   The receiver (SCHED_OTHER) empties the clients' sockets. A client has its datagram when the kernel has put it into
-   the client's socket: the kernel's own stamp, brought to CLOCK_MONOTONIC; and it has read it somewhat later.
-   Where SCHED_FIFO or the memory lock is refused it goes on and says so. Times are CPU times, so preemption adds to them.
+   The publisher (SCHED_FIFO 50, as capture) writes an instant into shared memory on an absolute grid and signals an
+   eventfd. Perceive (45) and serve (40) wait for their eventfd, take the newest frame and compute for PERCEIVE_US or
+   SERVE_US of CPU time. Then perceive signals serve, and serve sends 22 datagrams of 1150 bytes through connected
+   sockets over loopback. The receiver (SCHED_OTHER) empties the clients' sockets. A frame is delivered when the kernel
+   has put the last datagram into a client's socket (kernel timestamp, converted to CLOCK_MONOTONIC), and read when the
+   receiver has taken it. When SCHED_FIFO or the memory lock is refused, it reports so and continues.
 
    Prints JSON: {"policies": {process: policy}, "locked", "clients", "bytes", "published", "late" (releases skipped by
-   the publisher), "skipped" (frames that a newer one overtook), "incomplete" (frames that not every client got),
-   "delivered_us": [...], "read_us": [...], "sending_us": [...]}: per frame that all got, from publishing to the last, and
-   how long the 22 calls of send took. */
+   the publisher), "skipped" (frames that a newer one overtook), "incomplete" (frames that some clients received, not
+   all), "delivered_us": [...], "read_us": [...], "sending_us": [...]}. The lists have one entry for each frame that all
+   clients received: from publishing until it was delivered, until it was read, and how long the 22 sends took. */
 
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -97,7 +97,7 @@ static void be_busy(int64_t duration_ns)
     while (clock_ns(CLOCK_THREAD_CPUTIME_ID) < end) continue;
 }
 
-/* Returns how many releases it skipped because they were past. */
+/* Publishes count frames. Returns how many releases were skipped because they were already past. */
 static int64_t publish(double rate_hz, int64_t count)
 {
     int64_t period = (int64_t)(1e9 / rate_hz), release = clock_ns(CLOCK_MONOTONIC) + period, late = 0;
@@ -136,8 +136,9 @@ static void serve(int64_t busy_ns)
     }
 }
 
-/* The kernel stamps with CLOCK_REALTIME: what to add for CLOCK_MONOTONIC [ns], from the closest of three readings. */
-static int64_t monotonic_from_real(void)
+/* Offset from CLOCK_REALTIME, which the kernel's timestamps have, to CLOCK_MONOTONIC [ns]: the closest of three
+   pairs of readings. */
+static int64_t monotonic_from_realtime(void)
 {
     int64_t best = INT64_MAX, offset = 0;
     for (int k = 0; k < 3; k++) {
@@ -160,7 +161,7 @@ static void take(int descriptor)
         if (header && header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_TIMESTAMPNS) {
             struct timespec stamp;
             memcpy(&stamp, CMSG_DATA(header), sizeof stamp);
-            delivered = stamp.tv_sec * NS_PER_S + stamp.tv_nsec + monotonic_from_real();
+            delivered = stamp.tv_sec * NS_PER_S + stamp.tv_nsec + monotonic_from_realtime();
         }
         memcpy(&number, datagram, sizeof number);
         Frame *frame = &shared->frames[number - 1];

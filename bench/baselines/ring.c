@@ -1,11 +1,11 @@
-/* Twin of vision_core.rtdb.slots.SlotWriter: the same ring of slots, filled as fast as C can.
+/* Baseline of vision_core.rtdb.slots.SlotWriter: the same ring of slots, written as fast as C can.
 
        ring DESCRIPTOR CAPACITY SLOTS SLOT_BYTES
 
-   Fills the one record of the block (an inherited descriptor), without checksum, with the payloads of
-   bench.torn_reads.Proof: 64-bit words that depend on the number of the write and on their place. It writes in bursts of two
-   rounds of the ring and pauses between them for 0 to 20 us, so that readers are overtaken in the middle of a copy, and
-   not always. Says "ready", reads the end [ns of CLOCK_MONOTONIC] from standard input, prints {"writes": n}. */
+   Writes the only record of the shared memory block (an inherited descriptor), without checksum, with the payloads of
+   bench.torn_reads.PayloadCheck: 64-bit words that follow from the sequence number and from their position. It writes
+   bursts of two rounds of the ring with pauses of 0 to 20 us between them, so that some reads are overtaken in the
+   middle of a copy. Prints "ready", reads the end [ns of CLOCK_MONOTONIC] from standard input, prints {"writes": n}. */
 
 #include <inttypes.h>
 #include <stdint.h>
@@ -48,7 +48,7 @@ int main(int count, char **words)
     uint8_t *memory = mmap(NULL, LINE + slots * slot_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, atoi(words[1]), 0);
     if (memory == MAP_FAILED) return perror("ring: mmap"), 1;
     puts("ready"), fflush(stdout);
-    if (scanf("%" SCNu64, &end) != 1) return fputs("ring: standard input told no end\n", stderr), 2;
+    if (scanf("%" SCNu64, &end) != 1) return fputs("ring: no end was found on standard input; a number [ns] was expected\n", stderr), 2;
     uint64_t sequence = *(uint64_t *)memory, first = sequence;
     for (uint64_t now = now_ns(); now < end; now = now_ns()) {
         for (int k = 0; k < BURST; k++) write_slot(memory, ++sequence, capacity, slots, slot_bytes);

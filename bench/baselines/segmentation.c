@@ -1,4 +1,4 @@
-/* The classic in C, the twin of vision_core/blobs/run_lengths.py: color table, run lengths, union-find, sums.
+/* The reference segmentation in C, the twin of vision_core/blobs/run_lengths.py: color table, run lengths, union-find, sums.
 
    After Bruce, Balch and Veloso, "Fast and inexpensive color image segmentation for interactive robots", IROS 2000.
    Memory is the caller's. Returns the number of blobs, or -1 when runs or blobs have no room. */

@@ -1,6 +1,6 @@
-"""When something ran: noted in memory that is taken beforehand, saved when its process ends.
+"""Records every run of a task, in memory that is allocated beforehand, and saves it when the process ends.
 
-So noting costs a microsecond, and nobody has to read along: every activation is there, to the nanosecond.
+Recording a run takes a microsecond and needs no other process.
 """
 
 import os
@@ -10,40 +10,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 Rows = NDArray[np.int64]
-"""Shape (n, 5); columns:"""
+"""One row for each run, shape (n, 5); columns:"""
 DUE, BEGAN, DONE, IMAGE, FOUND = range(5)
-"""Three instants [ns of CLOCK_MONOTONIC], the number of the image, and 1 when the thing was found in it."""
-ROOM = 50_000
-"""Runs; 41 minutes at 20 Hz. Later ones are not noted."""
+"""Three instants [ns of CLOCK_MONOTONIC], the image's number, and 1 when the detector found its object, else 0."""
+MAX_RUNS = 50_000
+"""41 minutes at 20 Hz. Later runs are not recorded."""
 
 
-class Diary:
-    """The runs of one thing."""
+class ActivationLog:
+    """The runs of one task or loop."""
 
     def __init__(self) -> None:
-        self._rows: Rows = np.empty((ROOM, 5), dtype=np.int64)
-        self._rows.fill(0)  # touched: no page is missing later
+        self._rows: Rows = np.empty((MAX_RUNS, 5), dtype=np.int64)
+        self._rows.fill(0)  # touches every page, so that none faults later
         self._count = 0
 
     @property
     def rows(self) -> Rows:
-        """What was noted so far."""
+        """All runs recorded so far."""
         return self._rows[: self._count]
 
-    def note(self, due: int, began: int, done: int, image: int, *, found: bool) -> None:
-        """One run."""
-        if self._count < ROOM:
+    def add(self, due: int, began: int, done: int, image: int, *, found: bool) -> None:
+        """Record one run."""
+        if self._count < MAX_RUNS:
             self._rows[self._count] = due, began, done, image, found
             self._count += 1
 
     def save(self, folder: Path, name: str) -> None:
-        """Save all runs, beside those of other processes of the same name. No folder: nobody wants to know."""
+        """Save all runs in a file of this process. Saves nothing when the folder does not exist."""
         if folder.is_dir():
             np.save(folder / f"{name}.{os.getpid()}.npy", self.rows)
 
 
-def read_diary(folder: Path, name: str) -> Rows:
-    """All runs of a name, in order."""
+def read_log(folder: Path, name: str) -> Rows:
+    """All runs of a name, from the files of all processes, ordered by their beginning."""
     parts = [np.load(path) for path in folder.glob(f"{name}.*.npy")]
     rows: Rows = np.concatenate([np.empty((0, 5), dtype=np.int64), *parts])
     return rows[rows[:, BEGAN].argsort(kind="stable")]

@@ -1,4 +1,4 @@
-"""What the tasks look for: one class for each kind of thing, all with ``look(pixels, at)``."""
+"""The ten detectors: one class for each kind of object, all with ``detect(pixels, at)``."""
 
 import math
 from collections.abc import Callable
@@ -7,8 +7,8 @@ from typing import Protocol, TypeAlias
 import numpy as np
 
 from bench.cambada.profiles import Strip, normals
-from vision_core.blobs.growing import color_of_classes, color_of_seed
-from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
+from bench.region_growing.region import color_of_classes, color_of_seed
+from bench.region_growing.tracker import GrowingLimits, GrowingTracker
 from vision_core.capture.synthetic.floor import COLORS, NET_LEFT, NET_RIGHT
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table, keep_classes
@@ -22,31 +22,36 @@ from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import Table
 
-Places: TypeAlias = tuple[tuple[float, float], ...]
-"""Where in the image something was found, x and y [px]."""
+Positions: TypeAlias = tuple[tuple[float, float], ...]
+"""Positions of the objects found in an image: x and y of each [px]."""
 
 MIN_BOUNDARY = 0.5
-"""Share of the walls in the picture whose foot must be seen."""
+"""Least share of the walls in the picture whose foot is found."""
 CARPET_TOLERANCES, MIN_AROUND = (60.0, 20.0), 0.3
-"""Of luma and chroma [grey levels]; share of carpet round a ball or goal, of which other things hide the rest."""
+"""Tolerances of luma and chroma [grey levels]; least share of carpet around a ball or goal: objects hide the rest."""
 GOAL_TOLERANCES = (26.0, 8.0)
+"""Of luma and chroma [grey levels]."""
 GOAL_AREA = (0.3, 2.5)
-"""Least and most, as shares of the area that its back fills as seen from above."""
+"""Least and largest area of a goal, as shares of the area of its back wall in the image."""
 POINTS_PER_LINE, MIN_LINES = 40, 0.5
-ARM_M = (0.04, 0.28)
-"""A corner is looked for along its two sides, between these distances from it."""
+"""Points on each line; least share of the lines that must be found."""
+CORNER_SIDE_M = (0.04, 0.28)
+"""The two sides of a corner are searched between these distances from it."""
 
 
 class Detector(Protocol):
-    """Looks for one thing in the images of one camera."""
+    """Detects one kind of object in the images of one camera."""
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:
-        """Where it is; None: not there. pixels: shape (height, width, 3), blue green red; at: when it was grabbed."""
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:
+        """Positions of its objects in an image, or None.
+
+        pixels: shape (height, width, 3), channels blue, green, red; at: when the image was grabbed.
+        """
         ...
 
 
 class ObstacleDetector:
-    """Whatever stands on the carpet; nobody has told it which of these are robots."""
+    """Everything that stands on the carpet. It does not know which of these are robots."""
 
     def __init__(self, settings: Settings) -> None:
         camera, size = CameraSetup.from_settings(settings).model, _size(settings)
@@ -54,19 +59,19 @@ class ObstacleDetector:
             settings.field, settings.robots, settings.ball.radius_m, camera, size, settings.obstacles
         )
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
-        """The middles of all things."""
-        return tuple((thing.x_px, thing.y_px) for thing in self._finder.find(pixels, (), ())) or None
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:  # noqa: ARG002
+        """The centers of all obstacles."""
+        return tuple((obstacle.x_px, obstacle.y_px) for obstacle in self._finder.find(pixels, (), ())) or None
 
 
 class BoundaryDetector:
-    """Where the carpet ends."""
+    """The boundary of the carpet."""
 
     def __init__(self, settings: Settings) -> None:
         self._finder = BoundaryFinder(settings.field, CameraSetup.from_settings(settings).model, _size(settings))
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
-        """Points of the boundary."""
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:  # noqa: ARG002
+        """Points on the boundary."""
         boundary = self._finder.find(pixels)
         if boundary.found < MIN_BOUNDARY:
             return None
@@ -80,13 +85,13 @@ class BallDetector:
         self._settings = settings
         self._tracker: GrowingTracker | None = None
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:
         """Its center."""
         if self._tracker is None:
-            self._tracker = self._follower(pixels)
-        return _followed(self._tracker, pixels, at)
+            self._tracker = self._new_tracker(pixels)
+        return _track(self._tracker, pixels, at)
 
-    def _follower(self, pixels: Bytes) -> GrowingTracker:
+    def _new_tracker(self, pixels: Bytes) -> GrowingTracker:
         settings = self._settings
         table = keep_classes(compile_color_table(settings.colors), {settings.ball.color})
         radius = settings.ball.radius_m
@@ -102,20 +107,20 @@ class BallDetector:
 
 
 class GoalDetector:
-    """The inside of a goal, by region growing in the color that it is painted with."""
+    """The inside of a goal, by region growing in the color of its paint."""
 
     def __init__(self, settings: Settings, side: float) -> None:
         """side: -1 for the goal at negative x, 1 for the other."""
         self._settings, self._side = settings, side
         self._tracker: GrowingTracker | None = None
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:
-        """Its middle."""
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:
+        """Its center."""
         if self._tracker is None:
-            self._tracker = self._follower(pixels)
-        return _followed(self._tracker, pixels, at)
+            self._tracker = self._new_tracker(pixels)
+        return _track(self._tracker, pixels, at)
 
-    def _follower(self, pixels: Bytes) -> GrowingTracker:
+    def _new_tracker(self, pixels: Bytes) -> GrowingTracker:
         settings, camera = self._settings, CameraSetup.from_settings(self._settings).model
         goal = settings.field.goal
         back, half = self._side * (goal_line_x(settings.field) + goal.depth_m), goal.width_m / 2.0
@@ -135,43 +140,45 @@ class GoalDetector:
 
 
 class WholePictureDetector:
-    """Robots and ball of the whole picture: every image is judged alone, so nothing is left out."""
+    """Robots and ball, by color segmentation of the whole picture; every image is processed independently."""
 
     def __init__(self, settings: Settings) -> None:
-        self._camera, self._clock = settings.camera.name, MonotonicClock()
-        self._perception = Perception(settings, CameraSetup.from_settings(settings))
+        self._camera, self._clock = CameraSetup.from_settings(settings), MonotonicClock()
+        self._perception = Perception(settings, self._camera)
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:  # noqa: ARG002
         """The robots' and the balls' centers."""
-        seen = self._perception.perceive(ImageFrame(self._camera, 0, Instant(0), pixels), self._clock).record()
-        robots = tuple((robot.x_px, robot.y_px) for robot in seen.robots)
-        return (*robots, *((ball.x_px, ball.y_px) for ball in seen.balls)) or None
+        sightings = self._perception.perceive(
+            ImageFrame(self._camera.name, 0, Instant(0), pixels), self._clock
+        ).record()
+        robots = tuple((robot.x_px, robot.y_px) for robot in sightings.robots)
+        return (*robots, *((ball.x_px, ball.y_px) for ball in sightings.balls)) or None
 
 
 class LineDetector:
     """Painted lines."""
 
-    def __init__(self, settings: Settings, paths_m: list[Floats], least: float) -> None:
-        """paths_m: points along each line, shape (n, 2); least: share of the lines that must be there."""
+    def __init__(self, settings: Settings, paths_m: list[Floats], min_share: float) -> None:
+        """paths_m: points along each line, shape (n, 2) [m]; min_share: share of the lines that must be found."""
         camera, size = CameraSetup.from_settings(settings).model, _size(settings)
         self._strips = [Strip(camera, path, normals(path), size) for path in paths_m]
-        self._least = least
+        self._min_share = min_share
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
-        """The middles of all lines that are seen."""
-        aside = [(strip, strip.line_px(pixels)) for strip in self._strips]
-        seen = tuple(strip.middle_px(px) for strip, px in aside if px is not None)
-        return seen if len(seen) >= max(self._least * len(self._strips), 1) else None
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:  # noqa: ARG002
+        """The middles of all lines that are found."""
+        offsets = [(strip, strip.line_px(pixels)) for strip in self._strips]
+        found = tuple(strip.middle_px(px) for strip, px in offsets if px is not None)
+        return found if len(found) >= max(self._min_share * len(self._strips), 1) else None
 
 
 class CornerDetector:
-    """The two corners of the field at one end: where the inner edges of line or wall meet."""
+    """The two corners of the field at one end: where the inner edges of its lines or walls meet."""
 
     def __init__(self, settings: Settings, side: float) -> None:
         """side: -1 for the end at negative x, 1 for the other."""
         field, camera, size = settings.field, CameraSetup.from_settings(settings).model, _size(settings)
         half = np.array([field.length_m, field.width_m]) / 2.0 - field.line_width_m
-        steps = np.linspace(*ARM_M, POINTS_PER_LINE)[:, None]
+        steps = np.linspace(*CORNER_SIDE_M, POINTS_PER_LINE)[:, None]
         self._corners = []
         for up in (-1.0, 1.0):
             corner, along_x, along_y = half * (side, up), np.array([side, 0.0]), np.array([0.0, up])
@@ -179,23 +186,23 @@ class CornerDetector:
             flank = Strip(camera, corner - steps * along_x, np.tile(along_y, (POINTS_PER_LINE, 1)), size)
             self._corners.append((camera.pixel_from_field(corner[None])[0], end, flank))
 
-    def look(self, pixels: Bytes, at: Instant) -> Places | None:  # noqa: ARG002
-        """The corners that are seen."""
-        seen = []
+    def detect(self, pixels: Bytes, at: Instant) -> Positions | None:  # noqa: ARG002
+        """The corners that are found."""
+        found = []
         for corner, end, flank in self._corners:
-            out, up = end.edge_px(pixels), flank.edge_px(pixels)
-            if out is not None and up is not None:
-                x, y = (corner + out * end.normal + up * flank.normal).tolist()
-                seen.append((x, y))
-        return tuple(seen) or None
+            along, across = end.edge_px(pixels), flank.edge_px(pixels)
+            if along is not None and across is not None:
+                x, y = (corner + along * end.normal + across * flank.normal).tolist()
+                found.append((x, y))
+        return tuple(found) or None
 
 
 def _all_lines(settings: Settings) -> Detector:
     return LineDetector(settings, painted_points(settings.field, POINTS_PER_LINE), MIN_LINES)
 
 
-def _keepers_line(settings: Settings) -> Detector:
-    """Between the posts, where carpet lies on both of its sides."""
+def _keeper_line(settings: Settings) -> Detector:
+    """The part of blue's goal line between the posts, where carpet lies on both of its sides."""
     field = settings.field
     x = _blue_side(settings) * (field.length_m - field.line_width_m) / 2.0
     half = 0.9 * field.goal.width_m / 2.0
@@ -207,7 +214,7 @@ DETECTORS: dict[str, Callable[[Settings], Detector]] = {
     "avoid_fr": BoundaryDetector,
     "ball_om": BallDetector,
     "ball_fr": WholePictureDetector,
-    "kgoal": _keepers_line,
+    "kgoal": _keeper_line,
     "bgoal": lambda settings: GoalDetector(settings, _blue_side(settings)),
     "ygoal": lambda settings: GoalDetector(settings, -_blue_side(settings)),
     "line": _all_lines,
@@ -218,14 +225,16 @@ DETECTORS: dict[str, Callable[[Settings], Detector]] = {
 
 
 def detector_of(name: str, settings: Settings) -> Detector:
-    """A task's detector, with everything loaded that it needs. Raises KeyError for a name that the paper lacks."""
+    """The detector of a task, with its kernels compiled. Raises KeyError for a name that is not in the paper."""
     noise = np.random.default_rng(1).integers(0, 255, (*reversed(_size(settings)), 3), dtype=np.uint8)
-    DETECTORS[name](settings).look(noise, Instant(0))  # compiles; the one that is used has seen nothing yet
+    DETECTORS[name](settings).detect(
+        noise, Instant(0)
+    )  # compiles the kernels; the detector that is returned has no state yet
     return DETECTORS[name](settings)
 
 
 def _size(settings: Settings) -> tuple[int, int]:
-    return settings.camera.width_px, settings.camera.height_px
+    return CameraSetup.from_settings(settings).size_px
 
 
 def _blue_side(settings: Settings) -> float:
@@ -233,22 +242,22 @@ def _blue_side(settings: Settings) -> float:
 
 
 def _square_scale(settings: Settings, place_m: tuple[float, float], height_m: float) -> float:
-    """Pixels in a square metre."""
+    """Area of a square metre in the image [px^2], at a place and height."""
     return float(CameraSetup.from_settings(settings).model.pixels_per_square_metre(np.array([place_m]), height_m)[0])
 
 
 def _polygon_area(points: Floats) -> float:
-    """Area inside a polygon's corners, shape (n, 2)."""
+    """Area of a polygon. points: its corners, shape (n, 2)."""
     x, y = points.T
     return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
 
 
-def _followed(tracker: GrowingTracker, pixels: Bytes, at: Instant) -> Places | None:
+def _track(tracker: GrowingTracker, pixels: Bytes, at: Instant) -> Positions | None:
     return None if tracker.follow(pixels, at) is None else (tracker.last_px,)
 
 
 def _carpet(settings: Settings, pixels: Bytes) -> Table:
-    """The color of the field, from a grid of its points, as what surrounds a thing."""
+    """The carpet's color, from a grid of points on the field."""
     steps = np.linspace(-0.45, 0.45, 20)
     points = np.stack(np.meshgrid(steps * settings.field.length_m, steps * settings.field.width_m), axis=-1)
     places = CameraSetup.from_settings(settings).model.pixel_from_field(points.reshape(-1, 2)).round().astype(int)

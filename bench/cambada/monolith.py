@@ -1,10 +1,10 @@
-"""The monolithic architecture: one loop takes the newest frame and looks for everything in it, one after the other.
+"""The monolithic architecture: one loop that takes the newest frame and runs all detectors on it, one after another.
 
     python -m bench.cambada.monolith VENUE SECONDS PRIORITY FOLDER
 
-A frame that comes while the loop is busy is taken as soon as it is done, unless a newer one has come: then it is
-skipped. PRIORITY 0 is an ordinary process, as the paper's loops were. Saves the diaries ``loop`` and ``loop's ball_om``
-in FOLDER and prints the policy that it has got.
+A frame that arrives while the loop is busy is taken next, unless a newer one has arrived by then; in that case it is
+skipped. PRIORITY 0 is an ordinary process, as the paper's loops were. The process saves the activation logs ``loop``
+and ``loop's ball_om`` in FOLDER and prints the scheduling policy that was granted.
 """
 
 import sys
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.cambada.activation_log import Diary
+from bench.cambada.activation_log import ActivationLog
 from bench.cambada.detectors import DETECTORS, Detector, detector_of
 from bench.cambada.paper import RATE_HZ
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, seconds_between
@@ -30,7 +30,7 @@ def main() -> None:
     """Run for some seconds."""
     venue, seconds, priority, folder = sys.argv[1:]
     settings = load_settings(venue=venue)
-    film = [read_picture(path) for path in sorted(Path(settings.source.uri.partition(":")[2]).iterdir())]
+    images = [read_picture(path) for path in sorted(Path(settings.source.uri.partition(":")[2]).iterdir())]
     detectors = {name: detector_of(name, settings) for name in DETECTORS}
     freeze_garbage()
     exact_timers()
@@ -38,31 +38,31 @@ def main() -> None:
         lock_memory()
     granted = ask_priority(int(priority))
     print(f"{granted.policy}, FIFO {priority} refused" if granted.refusal else granted.policy)
-    for name, diary in run(film, detectors, float(seconds)).items():
-        diary.save(Path(folder), name)
+    for name, log in run(images, detectors, float(seconds)).items():
+        log.save(Path(folder), name)
 
 
-def run(film: list[Bytes], detectors: dict[str, Detector], seconds: float) -> dict[str, Diary]:
-    """Loop for some seconds [s] over a film that comes at the paper's rate, again and again."""
+def run(images: list[Bytes], detectors: dict[str, Detector], seconds: float) -> dict[str, ActivationLog]:
+    """Loop for some seconds [s] over images that arrive at the paper's rate, again and again. Returns both logs."""
     clock = MonotonicClock()
-    diaries = {LOOP: Diary(), BALL: Diary()}
-    copy = np.empty_like(film[0])
+    logs = {LOOP: ActivationLog(), BALL: ActivationLog()}
+    copy = np.empty_like(images[0])
     origin, number = clock.now(), -1
     while seconds_between(origin, clock.now()) < seconds:
         number = max(number + 1, (clock.now() - origin) // PERIOD_NS)
         due = Instant(origin + number * PERIOD_NS)
         while (now := clock.now()) < due:
             time.sleep(seconds_between(now, due))
-        np.copyto(copy, film[number % len(film)])
+        np.copyto(copy, images[number % len(images)])
         found_any = False
         for name, detector in detectors.items():
             began = clock.now()
-            found = detector.look(copy, due) is not None
+            found = detector.detect(copy, due) is not None
             found_any |= found
             if name == "ball_om":
-                diaries[BALL].note(due, began, clock.now(), number, found=found)
-        diaries[LOOP].note(due, now, clock.now(), number, found=found_any)
-    return diaries
+                logs[BALL].add(due, began, clock.now(), number, found=found)
+        logs[LOOP].add(due, now, clock.now(), number, found=found_any)
+    return logs
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Brightness across a path on the floor: is there a painted line, or an edge, and how far aside?"""
+"""Detects a painted line or an edge of brightness along a path on the floor, and measures its lateral offset."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,52 +7,57 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel
 
 LUMA = np.array([0.114, 0.587, 0.299])
-REACH_PX = 4
-"""What is looked for may lie so far from its place: calibrations are not perfect."""
-ASIDE_PX = 3
-"""A line is compared with what lies so far on both of its sides, an edge with a third of that."""
+SEARCH_PX = 4
+"""Largest offset from the path at which lines and edges are found; calibrations are not perfect."""
+COMPARE_PX = 3
+"""A line is compared with the pixels at this distance on both of its sides, an edge with those at a third of it."""
 CONTRAST = 15.0
-"""Grey levels by which paint or a wall differs from carpet."""
-AGREE_PX = 1.5
-MIN_SHARE = 0.3
-"""Of the points, that must see it, less than AGREE_PX from where their median does: robots may hide the rest."""
-FEWEST = 8
+"""Least difference between paint or wall and carpet [grey levels]."""
+INLIER_PX = 1.5
+MIN_INLIERS = 0.3
+"""Least share of the path's points whose offset is within INLIER_PX of the median; robots may hide the rest."""
+MIN_POINTS = 8
+"""Fewer visible points give no result."""
 STEP_M = 1e-3
+"""Step across the path from which its normal in the image is computed."""
 
 
 class Strip:
-    """The pixels across a path, in one camera's images."""
+    """The pixels on both sides of a path, in one camera's images."""
 
     def __init__(self, camera: CameraModel, path_m: Floats, across: Floats, size_px: tuple[int, int]) -> None:
-        """path_m: points on the floor, shape (n, 2); across: unit vectors there, same shape; size_px: of the images."""
+        """path_m: points on the floor, shape (n, 2) [m]; across: the path's unit normals there, same shape.
+
+        size_px: width and height of the images.
+        """
         here = camera.pixel_from_field(path_m)
         normal = camera.pixel_from_field(path_m + STEP_M * across) - here
         normal /= np.hypot(normal[:, 0], normal[:, 1])[:, None]
-        steps = np.arange(-REACH_PX - ASIDE_PX, REACH_PX + ASIDE_PX + 1)
+        steps = np.arange(-SEARCH_PX - COMPARE_PX, SEARCH_PX + COMPARE_PX + 1)
         places = here[:, None] + steps[:, None] * normal[:, None]
         with np.errstate(invalid="ignore"):
             kept = ((places >= 0.0) & (places <= np.array(size_px) - 1.0)).all(axis=(1, 2))
         self.normal: Floats = normal[kept].mean(axis=0) if kept.any() else np.zeros(2)
-        """Mean direction across, in the image."""
+        """Mean unit normal in the image, shape (2,)."""
         x, y = np.moveaxis(places[kept].round().astype(np.intp), -1, 0)
         self._index = y * size_px[0] + x
         self._middle_px: Floats = here[kept].mean(axis=0) if kept.any() else np.zeros(2)
 
     def line_px(self, pixels: Bytes) -> float | None:
-        """How far along `normal` a bright line lies from the path [px]; None: there is none. pixels: (h, w, 3)."""
+        """Offset of a bright line from the path, along `normal` [px], or None. pixels: shape (height, width, 3)."""
         luma = self._luma(pixels)
-        middle = luma[:, ASIDE_PX:-ASIDE_PX]
-        rises = middle - np.maximum(luma[:, : -2 * ASIDE_PX], luma[:, 2 * ASIDE_PX :])
-        return _agreed(rises)
+        middle = luma[:, COMPARE_PX:-COMPARE_PX]
+        rises = middle - np.maximum(luma[:, : -2 * COMPARE_PX], luma[:, 2 * COMPARE_PX :])
+        return _robust_offset(rises)
 
     def edge_px(self, pixels: Bytes) -> float | None:
-        """How far along `normal` from the path it turns brighter [px]; None: it does not. pixels: (h, w, 3)."""
+        """Offset of an edge from dark to bright, along `normal` [px], or None. pixels: shape (height, width, 3)."""
         luma = self._luma(pixels)
-        return _agreed(luma[:, ASIDE_PX + 1 : 1 - ASIDE_PX] - luma[:, ASIDE_PX - 1 : -ASIDE_PX - 1])
+        return _robust_offset(luma[:, COMPARE_PX + 1 : 1 - COMPARE_PX] - luma[:, COMPARE_PX - 1 : -COMPARE_PX - 1])
 
-    def middle_px(self, aside_px: float) -> tuple[float, float]:
-        """The middle of the path, shifted along `normal`."""
-        x, y = (self._middle_px + aside_px * self.normal).tolist()
+    def middle_px(self, offset_px: float) -> tuple[float, float]:
+        """The middle of the path, shifted along `normal` by an offset [px]."""
+        x, y = (self._middle_px + offset_px * self.normal).tolist()
         return x, y
 
     def _luma(self, pixels: Bytes) -> Floats:
@@ -61,20 +66,20 @@ class Strip:
 
 
 def normals(path_m: Floats) -> NDArray[np.float64]:
-    """Unit vectors across a path, to its left, shape (n, 2)."""
+    """Unit normals of a path, to its left, shape (n, 2). path_m: shape (n, 2)."""
     along = np.gradient(path_m, axis=0)
     turned: Floats = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
     return turned
 
 
-def _agreed(rises: Floats) -> float | None:
-    """Where most points see the largest rise [px]; rises: shape (points, 2 REACH_PX + 1)."""
-    if len(rises) < FEWEST:
+def _robust_offset(rises: Floats) -> float | None:
+    """Mean offset of the largest rise over the inliers [px]; None: too few. rises: shape (points, 2 SEARCH_PX + 1)."""
+    if len(rises) < MIN_POINTS:
         return None
-    clear = rises.max(axis=1) >= CONTRAST
-    if not clear.any():
+    has_rise = rises.max(axis=1) >= CONTRAST
+    if not has_rise.any():
         return None
-    found = rises.argmax(axis=1)[clear] - REACH_PX
-    middle = float(np.median(found))
-    agree = np.abs(found - middle) <= AGREE_PX
-    return float(found[agree].mean()) if agree.sum() >= MIN_SHARE * len(rises) else None
+    offsets = rises.argmax(axis=1)[has_rise] - SEARCH_PX
+    median = float(np.median(offsets))
+    inliers = np.abs(offsets - median) <= INLIER_PX
+    return float(offsets[inliers].mean()) if inliers.sum() >= MIN_INLIERS * len(rises) else None

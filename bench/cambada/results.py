@@ -1,4 +1,4 @@
-"""What was measured, as the paper's tables 1 and 3: ours, with the paper's figures as the twin."""
+"""The measurements as the paper's tables 1 and 3, with the paper's figures as the baseline."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -12,17 +12,17 @@ from bench.runner import Row
 from vision_core.clock import NS_PER_MS, NS_PER_S
 from vision_core.geometry import Floats
 
-NEAR_S = 0.1
-"""A stall of the machine so long before a frame was missed still explains it."""
+BEFORE_FRAME_S = 0.1
+"""A stall of the machine that ended so long before a skipped frame still explains it."""
 FRAME_MS = 1e3 / RATE_HZ
 
-StoodStill = Callable[[float, float], bool]
-"""Did the machine stand still between two instants [s of CLOCK_MONOTONIC]?"""
+HasStalled = Callable[[float, float], bool]
+"""Did the machine stall between two instants [s of CLOCK_MONOTONIC]?"""
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """Of some durations [ms]."""
+    """Statistics of durations [ms]."""
 
     max_ms: float
     min_ms: float
@@ -35,10 +35,10 @@ class Loop:
     """A run of the monolithic loop."""
 
     policy: str
-    """That it has got."""
+    """Scheduling policy that was granted."""
     runs: Rows
     ball: Rows
-    """Of the ball's detector within."""
+    """Runs of the ball's detector within the loop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,89 +47,91 @@ class Modular:
 
     tasks: dict[str, Rows]
     policies: dict[str, str]
-    """That they have got, with the reason where it is not what was asked for."""
-    stood_still: StoodStill
+    """Scheduling policies that were granted, with the reason where one is not the requested policy."""
+    has_stalled: HasStalled
 
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
-    """Frames that a task of the frames' rate has not looked at, and releases without a run."""
+    """What a task that runs for every frame has skipped."""
 
-    ours: int
-    machine: int
-    """The machine stood still just then."""
+    by_task: int
+    """Frames."""
+    by_machine: int
+    """Frames that were skipped while the machine stalled."""
     releases: int
+    """Releases without a run."""
 
 
 def intervals_ms(rows: Rows) -> Floats:
-    """Between the beginnings of two runs."""
+    """Intervals between the beginnings of two runs [ms], shape (n - 1,)."""
     intervals: Floats = np.diff(rows[:, BEGAN]) / NS_PER_MS
     return intervals
 
 
 def execution_ms(rows: Rows) -> Floats:
-    """From the beginning of a run to its end, whatever came in between."""
+    """From the beginning of each run to its end, preemption included [ms], shape (n,)."""
     times: Floats = (rows[:, DONE] - rows[:, BEGAN]) / NS_PER_MS
     return times
 
 
 def spread_of(durations_ms: Floats) -> Spread:
-    """Raises ValueError for none."""
+    """Statistics of durations, shape (n,) [ms]. Raises ValueError without any."""
     if not len(durations_ms):
-        raise ValueError("the spread of no durations: the task has run less than twice")
+        raise ValueError("spread_of: no durations were found; a task that has run at least twice was expected")
     return Spread(*(float(measure(durations_ms)) for measure in (np.max, np.min, np.mean, np.std)))
 
 
-def skipped_of(rows: Rows, period_ms: float, stood_still: StoodStill) -> Skipped:
-    """What a task that should look at every frame has left out."""
-    ours = machine = releases = 0
+def skipped_of(rows: Rows, period_ms: float, has_stalled: HasStalled) -> Skipped:
+    """Count what a task that runs for every frame has skipped."""
+    by_task = by_machine = releases = 0
     for before, after in pairwise(rows.tolist()):
         frames = max(after[IMAGE] - before[IMAGE] - 1, 0)
         releases += max(round((after[DUE] - before[DUE]) / NS_PER_MS / period_ms) - 1, 0)
-        if frames and stood_still(before[BEGAN] / NS_PER_S - NEAR_S, after[DONE] / NS_PER_S):
-            machine += frames
+        if frames and has_stalled(before[BEGAN] / NS_PER_S - BEFORE_FRAME_S, after[DONE] / NS_PER_S):
+            by_machine += frames
         else:
-            ours += frames
-    return Skipped(ours, machine, releases)
+            by_task += frames
+    return Skipped(by_task, by_machine, releases)
 
 
 def table_1(loop: Loop) -> Iterator[Row]:
-    """Response times of the loop, beside those of the paper's two loops."""
+    """Table 1: response times of the loop; baseline: the paper's two loops."""
     ours = spread_of(execution_ms(loop.runs))
     for name, paper in LOOPS.items():
         for key in ("max_ms", "min_ms", "mean_ms", "sd_ms"):
-            word = f"table 1, one loop ({loop.policy}) beside {name}: response, {key[:-3]}"
-            yield _beside(word, getattr(ours, key), getattr(paper, key))
+            label = f"table 1, one loop ({loop.policy}) beside {name}: response, {key[:-3]}"
+            yield _beside(label, getattr(ours, key), getattr(paper, key))
     intervals = spread_of(intervals_ms(loop.runs))
-    word = f"one loop ({loop.policy}): activation interval, "
-    yield {"name": f"{word}max", "value": intervals.max_ms, "unit": "ms"}
-    yield {"name": f"{word}sd", "value": intervals.sd_ms, "unit": "ms"}
-    left_out = int(np.diff(loop.runs[:, IMAGE]).sum()) - (len(loop.runs) - 1)
-    yield {"name": f"one loop ({loop.policy}): frames skipped, of {len(loop.runs) + left_out}", "value": left_out}
+    label = f"one loop ({loop.policy}): activation interval, "
+    yield {"name": f"{label}max", "value": intervals.max_ms, "unit": "ms"}
+    yield {"name": f"{label}sd", "value": intervals.sd_ms, "unit": "ms"}
+    skipped = int(np.diff(loop.runs[:, IMAGE]).sum()) - (len(loop.runs) - 1)
+    yield {"name": f"one loop ({loop.policy}): frames skipped, of {len(loop.runs) + skipped}", "value": skipped}
 
 
 def table_3(modular: Modular) -> Iterator[Row]:
-    """Intervals between activations of every task, beside the paper's, and what was skipped."""
+    """Table 3: intervals between activations of every task; baseline: the paper's. Then what was skipped."""
     for name, paper in TASKS.items():
         rows = modular.tasks[name]
         ours = spread_of(intervals_ms(rows))
-        word = f"table 3, {name}: interval, "
-        yield _beside(f"{word}max", ours.max_ms, paper.max_ms)
-        yield _beside(f"{word}min", ours.min_ms, paper.min_ms)
+        label = f"table 3, {name}: interval, "
+        yield _beside(f"{label}max", ours.max_ms, paper.max_ms)
+        yield _beside(f"{label}min", ours.min_ms, paper.min_ms)
         goal = {"goal": f"< {paper.sd_ms:g} ms", "met": ours.sd_ms < paper.sd_ms}
-        yield _beside(f"{word}sd", ours.sd_ms, paper.sd_ms) | goal
+        yield _beside(f"{label}sd", ours.sd_ms, paper.sd_ms) | goal
     for name, rows in modular.tasks.items():
         if TASKS[name].period_ms == FRAME_MS:
-            yield from _skipped_rows(name, rows, modular.stood_still)
+            yield from _skipped_rows(name, rows, modular.has_stalled)
 
 
-def told_of(modular: Modular) -> Iterator[Row]:
-    """Policy, runs, execution time and how often the thing was there, for every task."""
+def execution_rows(modular: Modular) -> Iterator[Row]:
+    """For every task: policy, number of runs, how often its object was found, and execution time."""
     for name, rows in modular.tasks.items():
         times = spread_of(execution_ms(rows))
         found = f"found in {rows[:, FOUND].mean():.0%} of {len(rows)} runs"
-        line = TASKS[name]
-        when = f"every {line.period_ms:g} ms + {line.offset_ms:g}"
+        timing = TASKS[name]
+        when = f"every {timing.period_ms:g} ms + {timing.offset_ms:g}"
         yield {
             "name": f"{name}, {when}, {modular.policies[name]}, {found}: execution, mean",
             "value": times.mean_ms,
@@ -138,13 +140,13 @@ def told_of(modular: Modular) -> Iterator[Row]:
         yield {"name": f"{name}: execution, max", "value": times.max_ms, "unit": "ms"}
 
 
-def _skipped_rows(name: str, rows: Rows, stood_still: StoodStill) -> Iterator[Row]:
-    skipped = skipped_of(rows, FRAME_MS, stood_still)
-    goal = {"goal": "0", "met": skipped.ours == 0}
-    yield {"name": f"{name}: frames skipped, our fault", "value": skipped.ours} | goal
-    yield {"name": f"{name}: frames skipped, machine stood still", "value": skipped.machine}
+def _skipped_rows(name: str, rows: Rows, has_stalled: HasStalled) -> Iterator[Row]:
+    skipped = skipped_of(rows, FRAME_MS, has_stalled)
+    goal = {"goal": "0", "met": skipped.by_task == 0}
+    yield {"name": f"{name}: frames skipped by the task", "value": skipped.by_task} | goal
+    yield {"name": f"{name}: frames skipped while the machine stalled", "value": skipped.by_machine}
     yield {"name": f"{name}: releases without a run", "value": skipped.releases}
 
 
 def _beside(name: str, ours: float, paper: float) -> Row:
-    return {"name": name, "value": ours, "unit": "ms", "twin": paper, "ratio": ours / paper}
+    return {"name": name, "value": ours, "unit": "ms", "baseline": paper, "ratio": ours / paper}

@@ -1,7 +1,7 @@
-"""Tasks: images -> where a thing is. One module for all: the task's name says which detector it is.
+"""Each detector as a task of the service. The name of the task selects the detector; all share this module.
 
-Each run copies the newest image into memory of its own, looks at it, and writes ``cambada/<name>``. When the process
-ends it saves its diary.
+Each run copies the newest image, runs the detector and writes ``cambada/<name>``. When the process ends, it saves its
+activation log.
 """
 
 import atexit
@@ -9,43 +9,43 @@ from dataclasses import dataclass
 
 import msgspec
 
-from bench.cambada.activation_log import Diary
-from bench.cambada.detectors import Places, detector_of
-from bench.cambada.venue import diaries_of
+from bench.cambada.activation_log import ActivationLog
+from bench.cambada.detectors import Positions, detector_of
+from bench.cambada.venue import log_folder_of
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import RAN, Release, StepResult
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Detection:
     """What a task writes, as msgpack."""
 
     image: int
-    """Number of the image that it looked at."""
-    places: Places | None
-    """None: the thing was not there."""
+    """Number of the image."""
+    positions: Positions | None
+    """None: the object was not found."""
 
 
 def start(handle: Handle) -> Step:
-    """Make the detector. Raises KeyError for a task that the paper lacks."""
+    """Make the detector. Raises KeyError for a task that is not the paper's."""
     detector = detector_of(handle.task.name, handle.settings)
     images = Images(handle)
     (record,) = handle.task.writes
-    findings = handle.raw_writer(record)
+    writer = handle.raw_writer(record)
     encoder = msgspec.msgpack.Encoder()
-    diary = Diary()
-    atexit.register(diary.save, diaries_of(handle.settings.source.uri), handle.task.name)
+    log = ActivationLog()
+    atexit.register(log.save, log_folder_of(handle.settings.source.uri), handle.task.name)
 
     def step(release: Release) -> StepResult:
         began = handle.clock.now()
         image = images.newest()
         if image is None:
             return images.none_result
-        places = detector.look(image.pixels, image.grabbed)
+        positions = detector.detect(image.pixels, image.grabbed)
         done = handle.clock.now()
-        findings.write(encoder.encode(Finding(image.number, places)), image.grabbed, done)
-        diary.note(release.due, began, done, image.number, found=places is not None)
+        writer.write(encoder.encode(Detection(image.number, positions)), image.grabbed, done)
+        log.add(release.due, began, done, image.number, found=positions is not None)
         return RAN
 
     return step

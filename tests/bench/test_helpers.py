@@ -1,22 +1,22 @@
-"""Processes beside a measurement end with it."""
+"""Helper processes report what they measured, and end with the measurement."""
 
 import socket
 import threading
 
 import pytest
 
-from bench.helpers import Companion
+from bench.helpers import Helper
 from bench.service import is_alive
 
 CLIENTS = 2
 
 
 def serve_a_few(server: socket.socket) -> None:
-    """Answers two inits, then sends each client three views, the last one twice."""
+    """Reply to two inits, then send each client three views, the last one twice."""
     peers = []
     for _ in range(CLIENTS):
-        asked, peer = server.recvfrom(1024)
-        assert b"(time us)" in asked
+        datagram, peer = server.recvfrom(1024)
+        assert b"(time us)" in datagram
         server.sendto(b"(init blue 1 play_on)", peer)
         peers.append(peer)
     for time in ("1.000001", "1.033334", "1.066667", "1.066667"):
@@ -25,23 +25,23 @@ def serve_a_few(server: socket.socket) -> None:
 
 
 @pytest.mark.slow
-def test_the_receiver_reports_what_clients_got() -> None:
+def test_the_receiver_reports_what_its_clients_received() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as server:
         server.bind(("127.0.0.1", 0))
         port = server.getsockname()[1]
         thread = threading.Thread(target=serve_a_few, args=(server,))
         thread.start()
-        with Companion("bench.receiver", port, 1) as receiver:
+        with Helper("bench.receiver", port, 1) as receiver:
             thread.join()
-            heard = receiver.finish()
+            received = receiver.finish()
             assert not is_alive(receiver.process.pid)
-    assert (heard["clients"], heard["ports"], heard["errors"]) == (CLIENTS, [port], [])
-    assert heard["disordered"] == CLIENTS
-    assert [view[:2] for view in heard["views"]] == [[1000001, 2], [1033334, 2], [1066667, 4]]
-    assert all(first <= last for _, _, first, last in heard["views"])
+    assert (received["clients"], received["ports"], received["errors"]) == (CLIENTS, [port], [])
+    assert received["disordered"] == CLIENTS
+    assert [view[:2] for view in received["views"]] == [[1000001, 2], [1033334, 2], [1066667, 4]]
+    assert all(first <= last for _, _, first, last in received["views"])
 
 
 @pytest.mark.slow
-def test_one_that_fails_is_told() -> None:
-    with pytest.raises(RuntimeError, match="should say 'ready'"):
-        Companion("bench.record_timestamps", "pslv/no-such-service")
+def test_a_helper_that_fails_at_its_start_raises() -> None:
+    with pytest.raises(RuntimeError, match="'ready' was expected"):
+        Helper("bench.record_timestamps", "pslv/no-such-service")

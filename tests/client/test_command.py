@@ -76,7 +76,7 @@ def test_a_picture(stadium: Stadium, tmp_path: Path, more: list[str]) -> None:
         (["--number", "6"], "illegal_number"),
         (["--mirror", "1", "0", "1"], "a mirror of equation 1"),
         (["--count", "1", "--draw", "/no/such/folder/view.png"], "/no/such/folder"),
-        (["--port", "1", "--timeout", "0.1"], "no answer"),
+        (["--port", "1", "--timeout", "0.1"], "nothing answered at 127.0.0.1:1"),
         (["--field-mirror", "1", "0", "1"], "a mirror of equation 1"),
     ],
 )
@@ -138,7 +138,9 @@ def test_a_reader_who_has_seen_enough(stadium: Stadium) -> None:
 
 
 def granting(*then: bytes) -> ScriptedServer:
-    return ScriptedServer(lambda data: [b"(init blue 3 play_on)", *then] if data.startswith(b"(init") else [])
+    """A server that answers every init, and its question for the mirror, and says more at once."""
+    answers = [b"(init blue 3 play_on)", b"(mirror 4.0187 0.0125935 90000.0)", *then]
+    return ScriptedServer(lambda data: answers if data.startswith(b"(init") else [])
 
 
 def test_a_robot_that_the_camera_does_not_see_is_waited_for_so_long(capsys: pytest.CaptureFixture[str]) -> None:
@@ -162,10 +164,47 @@ def test_a_server_that_died_is_told_from_a_robot_that_is_not_seen(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(command_module, "RESTART_S", 0.2)
-    answers = iter([[b"(init blue 3 play_on)"]])
+    answers = iter([[b"(init blue 3 play_on)", b"(mirror 4.0187 0.0125935 90000.0)"]])
     with ScriptedServer(lambda _: next(answers, [])) as server:
         assert main(["--team=blue", "--number=3", f"--port={server.port}", "--timeout=0.3"]) == 2
     assert "the server has not answered" in capsys.readouterr().err
+
+
+def test_another_fields_mirror_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    """112 px are 0.93 m in the mirror of division B, and above the horizon of the paper's."""
+    see = b"(see 1.000 ((edge) w70) ((ball) 112 0 1))"
+    answers = [b"(init blue 3 play_on)", b"(mirror 1.933098 0.00296946 360000)", see]
+    with ScriptedServer(lambda data: answers if data.startswith(b"(init") else []) as server:
+        assert main(["--team=blue", "--number=3", f"--port={server.port}", "--count=1"]) == 0
+    assert "nearest w at 0.93 m, 0 deg, ball at 0.93 m, 0 deg" in capsys.readouterr().out
+
+
+def test_a_server_that_does_not_tell_its_mirror_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    unknown, see = b"(error unknown_command)", b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"
+
+    def answer(data: bytes) -> list[bytes]:
+        return [b"(init blue 3 play_on)", *[unknown] * data.endswith(b"(mirror)"), see] * data.startswith(b"(init")
+
+    with ScriptedServer(answer) as server:
+        robot = ["--team=blue", "--number=3", f"--port={server.port}", "--count=1"]
+        assert main(robot) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "does not tell its mirror" in line
+        assert main([*robot, "--field-mirror", "1.933098", "0.00296946", "360000"]) == 0
+
+
+def test_a_server_that_prepares_is_waited_for_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    granted = [
+        b"(init blue 3 play_on)",
+        b"(mirror 4.0187 0.0125935 90000.0)",
+        b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))",
+    ]
+    answers = iter([[b"(error not_ready)"]] * 2)
+    with ScriptedServer(lambda data: next(answers, granted if data.startswith(b"(init") else [])) as server:
+        assert main(["--team=blue", "--number=3", f"--port={server.port}", "--count=1", "--timeout=0.8"]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("pslv client: blue 3 at 127.0.0.1:")
+    assert "the server still prepares" in line
 
 
 def test_the_fields_mirror_is_for_decoding_alone(stadium: Stadium, capsys: pytest.CaptureFixture[str]) -> None:

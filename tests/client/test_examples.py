@@ -42,7 +42,18 @@ def test_without_a_server_it_asks_again_and_says_one_line() -> None:
     assert server.heard == [b"(init blue 3)"] * 5
     assert (done.returncode, done.stdout) == (1, "")
     (line,) = done.stderr.splitlines()
-    assert line.startswith(f"no answer from 127.0.0.1 port {server.port}")
+    assert line.startswith(f"nothing answers at 127.0.0.1 port {server.port}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", ["not_ready", "rate_limited"])
+def test_a_server_that_is_not_ready_or_busy_is_asked_again(error: str) -> None:
+    refused = b"(error %s)" % error.encode()
+    answers = iter([[refused], [refused], [b"(init blue 3 play_on)", b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"]])
+    with ScriptedServer(lambda _: next(answers, [])) as server:
+        done = run_stdlib_client(server.port)
+    assert (done.returncode, done.stderr) == (0, f"(error {error}): asking again in a second\n" * 2)
+    assert server.heard == [b"(init blue 3)"] * 3 + [b"(bye)"]
 
 
 @pytest.mark.slow

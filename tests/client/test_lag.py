@@ -8,8 +8,8 @@ import pytest
 
 from vision_core.client.lag import REPORT_S, LagReports, receive_stamped, stamp_arrivals
 from vision_core.clock import Instant, after
-from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.messages import MAX_LAG_S, Lag
+from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.messages import MAX_LAG_S, LagReport
 
 START = Instant(1_000_000_000)
 DUE = after(START, REPORT_S)
@@ -28,37 +28,37 @@ def using(*uses_s: float) -> LagReports:
 
 def test_a_report_tells_the_hold_and_the_median_use() -> None:
     reports = using(0.004, 0.9, 0.006)
-    assert reports.view_arrived(TIME_US, DUE, after(DUE, 0.002)) == Lag(TIME_US, 0.002, 0.006)
+    assert reports.view_arrived(TIME_US, DUE, after(DUE, 0.002)) == LagReport(TIME_US, 0.002, 0.006)
 
 
 def test_each_report_has_a_median_of_its_own() -> None:
     reports = using(0.004)
-    assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, 0.004)
+    assert reports.view_arrived(TIME_US, DUE, DUE) == LagReport(TIME_US, 0.0, 0.004)
     again = after(DUE, REPORT_S)
     assert reports.view_arrived(TIME_US, again, after(again, -0.1)) is None
-    assert reports.view_arrived(TIME_US, again, again) == Lag(TIME_US, 0.0, None)
+    assert reports.view_arrived(TIME_US, again, again) == LagReport(TIME_US, 0.0, None)
 
 
 def test_asking_again_without_a_new_view_is_no_use() -> None:
     reports = using(0.004)
     reports.view_used(after(START, 0.8))
-    assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, 0.004)
+    assert reports.view_arrived(TIME_US, DUE, DUE) == LagReport(TIME_US, 0.0, 0.004)
 
 
 def test_what_the_server_would_pass_over_is_not_sent() -> None:
     reports = using(2.0 * MAX_LAG_S)
     assert reports.view_arrived(TIME_US, START, after(DUE, MAX_LAG_S)) is None
-    assert reports.view_arrived(TIME_US, DUE, DUE) == Lag(TIME_US, 0.0, None)
+    assert reports.view_arrived(TIME_US, DUE, DUE) == LagReport(TIME_US, 0.0, None)
 
 
 def test_errors_are_explained_by_a_report_that_was_sent() -> None:
     reports = LagReports(START)
-    assert not reports.explains(ErrorName.NOT_CONNECTED)
+    assert not reports.explains(ErrorCode.NOT_CONNECTED)
     assert reports.view_arrived(TIME_US, DUE, DUE) is not None
-    assert reports.explains(ErrorName.NOT_CONNECTED)
-    assert not reports.explains(ErrorName.REPLACED)
+    assert reports.explains(ErrorCode.NOT_CONNECTED)
+    assert not reports.explains(ErrorCode.REPLACED)
     assert reports.view_arrived(TIME_US, DUE, after(DUE, REPORT_S)) is not None
-    assert reports.explains(ErrorName.UNKNOWN_COMMAND)
+    assert reports.explains(ErrorCode.UNKNOWN_COMMAND)
     assert reports.view_arrived(TIME_US, DUE, after(DUE, 2.0 * REPORT_S)) is None
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from vision_core.color.lookup_table import cell_centers, compile_color_table, keep_classes
 from vision_core.color.spaces import hsv_from_bgr, ymp_from_bgr
+from vision_core.errors import SettingsError
 from vision_core.settings.schema import ColorRange
 from vision_core.venues.loader import load_settings
 
@@ -90,3 +91,10 @@ def test_tables_are_read_only() -> None:
     table = compile_color_table(RED_AND_SKY)
     with pytest.raises(ValueError, match="read-only"):
         table.classes[0] = 1
+
+
+def test_more_classes_than_a_byte_can_number_are_refused() -> None:
+    box = (ColorRange(value=(0.9, 1.0)),)
+    many = msgspec.structs.replace(COLORS, classes={f"class{number}": box for number in range(256)}, samples={})
+    with pytest.raises(SettingsError, match="256; accepted: at most 255"):
+        compile_color_table(many)

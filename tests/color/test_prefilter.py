@@ -6,21 +6,21 @@ from numpy.typing import NDArray
 
 from tests.conftest import ROOT
 from vision_core.color.lookup_table import cell_centers, compile_color_table
-from vision_core.color.prefilter import candidate_test, fit_forms
+from vision_core.color.prefilter import fit_conditions, prefilter_from
 from vision_core.color.spaces import hsv_from_bgr
 from vision_core.geometry import Bytes
 from vision_core.types.colors import ColorTable
-from vision_core.types.prefilter import Candidates
+from vision_core.types.prefilter import ColorPrefilter
 from vision_core.venues.loader import load_settings
 
 Mask = NDArray[np.bool_]
 VENUES = sorted(path.stem for path in (ROOT / "config" / "venues").glob("*.toml"))
 
 
-def passes(colors: Bytes, test: Candidates) -> Mask:
-    """What ``Candidates`` says, in whole numbers: shape (n, 3) -> shape (n,)."""
+def passes(colors: Bytes, test: ColorPrefilter) -> Mask:
+    """What ``ColorPrefilter`` says, in whole numbers: shape (n, 3) -> shape (n,)."""
     channels = colors.astype(np.int64).T
-    step, level = test.least_step.astype(np.int64), test.least_level.astype(np.int64)
+    step, level = test.margin_limit.astype(np.int64), test.level_limit.astype(np.int64)
     passed = (channels.min(axis=0) > level[6]) | (channels.max(axis=0) < level[7])
     for number in range(3):
         channel, others = channels[number], channels[[(number + 1) % 3, (number + 2) % 3]]
@@ -42,8 +42,8 @@ def table_of(classes: Bytes) -> ColorTable:
     return ColorTable(("", "a"), classes, np.zeros((2, 3), np.uint8), ())
 
 
-def assert_sound(table: ColorTable) -> Candidates:
-    test = candidate_test(table)
+def assert_sound(table: ColorTable) -> ColorPrefilter:
+    test = prefilter_from(table)
     assert passes(corners(table), test).all()
     inside = np.random.default_rng(1).integers(0, 256, (50_000, 3), dtype=np.uint8)
     assert passes(inside[table.classes_of(inside) > 0], test).all()
@@ -85,13 +85,13 @@ def test_greys_white_and_black_pass() -> None:
 def test_most_other_colors_fail() -> None:
     table = compile_color_table(load_settings().colors)
     greys = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
-    assert not passes(greys, candidate_test(table)).any()
+    assert not passes(greys, prefilter_from(table)).any()
     everything = np.random.default_rng(4).integers(0, 256, (50_000, 3), dtype=np.uint8)
-    assert not passes(everything, candidate_test(table_of(np.zeros(65536, dtype=np.uint8)))).any()
+    assert not passes(everything, prefilter_from(table_of(np.zeros(65536, dtype=np.uint8)))).any()
 
 
 def test_one_compilation_and_read_only_limits() -> None:
-    test = candidate_test(compile_color_table(load_settings().colors))
-    candidate_test(table_of(np.ones(65536, dtype=np.uint8)))
-    assert not test.least_step.flags.writeable
-    assert len(fit_forms.signatures) == 1  # type: ignore[attr-defined]
+    test = prefilter_from(compile_color_table(load_settings().colors))
+    prefilter_from(table_of(np.ones(65536, dtype=np.uint8)))
+    assert not test.margin_limit.flags.writeable
+    assert len(fit_conditions.signatures) == 1  # type: ignore[attr-defined]

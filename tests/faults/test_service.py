@@ -25,7 +25,7 @@ from vision_core.net.control import attach_to
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PAPER_CLIENT = ROOT / "bench" / "paper_client.py"
 PATIENCE_S = 30.0
-PROCESSES = {"source", "capture", "perceive", "obstacles", "watch", "diagnose", "serve", "web"}
+PROCESSES = {"responder", "source", "capture", "perceive", "obstacles", "watch", "diagnose", "serve", "web"}
 SPARES = {"spare-1", "spare-2"}
 SERVE = [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0"]
 
@@ -104,8 +104,8 @@ def test_a_lost_process_comes_back_and_sessions_go_on(
     with client:
         client.recv(4096)
         others = service.pids()
-        victim = others.pop(name)
-        os.kill(victim, number)
+        target = others.pop(name)
+        os.kill(target, number)
         deadline = time.monotonic() + PATIENCE_S
         last = 0.0
         back = False
@@ -116,7 +116,7 @@ def test_a_lost_process_comes_back_and_sessions_go_on(
             assert time_of(message) > last
             last = time_of(message)
             try:
-                back = service.pids().get(name, victim) != victim and service.get("/readyz")[0] == 200
+                back = service.pids().get(name, target) != target and service.get("/readyz")[0] == 200
             except OSError:  # the page itself was killed
                 continue
         for _ in range(10):
@@ -269,10 +269,10 @@ def test_a_log_that_nobody_reads_any_more_stops_nothing() -> None:
             started.stderr.close()
             service = RunningService(started, found[1], 0)
             until_ready(service)
-            victim = service.pids()["perceive"]
-            os.kill(victim, signal.SIGKILL)  # which is news for the log
+            target = service.pids()["perceive"]
+            os.kill(target, signal.SIGKILL)  # which is news for the log
             deadline = time.monotonic() + PATIENCE_S
-            while service.pids().get("perceive", victim) == victim:
+            while service.pids().get("perceive", target) == target:
                 assert time.monotonic() < deadline
             until_ready(service)
             assert service.stop() == 0

@@ -1,7 +1,6 @@
-"""A real server on loopback, driven by hand or by a thread."""
+"""A real server on loopback, driven step by step or by a thread."""
 
 import contextlib
-import random
 import select
 import socket
 import threading
@@ -11,13 +10,13 @@ from dataclasses import dataclass
 from tests.protocol.samples import LETTERS, SUBNETS, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.models.mirror import PAPER_MIRROR
-from vision_core.net.batch import Batch
-from vision_core.net.server import Delivery, UdpServer
-from vision_core.net.udp import open_server_sockets
+from vision_core.net.delivery import DROPPED, NOT_SENT, REFUSED, SENT, Batch
+from vision_core.net.server import UdpServer
+from vision_core.net.udp import SendResult, open_server_sockets
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.see import see_from_view
-from vision_core.protocol.session import Event, Rules, Sessions
+from vision_core.protocol.session import Event, SessionRules, Sessions
 from vision_core.types.views import BallView
 
 PATIENCE_S = 2.0
@@ -26,8 +25,21 @@ BALL = BallView(distance_m=0.379, direction_deg=121.2, size_deg=6.45, partial=Fa
 
 
 @dataclass(frozen=True)
+class Delivery:
+    """How one session was served in one frame."""
+
+    session: Session
+    rank: int
+    sent_at: Instant
+    result: SendResult
+
+
+RESULTS = {SENT: SendResult.SENT, DROPPED: SendResult.DROPPED, REFUSED: SendResult.REFUSED}
+
+
+@dataclass(frozen=True)
 class Frame:
-    """How one frame was served."""
+    """How one frame was served, in the order of sending."""
 
     deliveries: tuple[Delivery, ...]
     events: tuple[Event, ...]
@@ -42,19 +54,22 @@ class Stadium:
         self.main, self.session = open_server_sockets("127.0.0.1", 0, 0)
         self._grabbed = Instant(0)
         self.blind = False
-        """The camera sees no robot."""
+        """The camera sees no robot, so no view is sent."""
         self.start(Sessions(self.rules))
 
     @staticmethod
-    def rules_of(boot: Instant) -> Rules:
-        return Rules(boot, 5, 600.0, 3.6, Admission.from_subnets(SUBNETS))
+    def rules_of(boot: Instant) -> SessionRules:
+        return SessionRules(boot, 5, 600.0, 3.6, PAPER_MIRROR, Admission.from_subnets(SUBNETS))
 
     @property
     def port(self) -> int:
         return int(self.main.getsockname()[1])
 
     def start(self, sessions: Sessions) -> None:
-        self.server = UdpServer(self.main, self.session, sessions, self.clock, random.Random(1))
+        self.server = UdpServer(self.main, self.session, sessions, self.clock, seed=1)
+
+    def restore(self, snapshot: bytes) -> None:
+        self.server = UdpServer.restore(self.main, self.session, self.rules, snapshot, self.clock, seed=1)
 
     def close(self) -> None:
         self.server.close()
@@ -78,10 +93,20 @@ class Stadium:
         grabbed = self._grabbed
         sessions, due = self.server.due(grabbed)
         views = [self.see(session, grabbed) if due[row] else None for row, session in enumerate(sessions)]
-        served = self.server.send_batch(grabbed, Batch.of([data or b"" for data in views]))
-        deliveries = tuple(self.server.deliveries())
-        assert (served.sessions, served.last) == (len(deliveries), deliveries[-1].sent if deliveries else None)
-        return Frame(deliveries, served.events)
+        summary = self.server.send_batch(grabbed, Batch.of([data or b"" for data in views]))
+        deliveries = self.deliveries(sessions)
+        assert (summary.sessions, summary.last) == (len(deliveries), deliveries[-1].sent_at if deliveries else None)
+        return Frame(deliveries, summary.events)
+
+    def deliveries(self, sessions: tuple[Session, ...]) -> tuple[Delivery, ...]:
+        """How the sessions that were still open after a frame were served in it."""
+        rows = [(session, self.server.delivery(session)) for session in sessions if session in self.server]
+        sent = [
+            Delivery(session, int(row["rank"]), Instant(int(row["sent_at"])), RESULTS[int(row["result"])])
+            for session, row in rows
+            if row["result"] != NOT_SENT
+        ]
+        return tuple(sorted(sent, key=lambda delivery: delivery.rank))
 
     def run(self, stop: threading.Event) -> None:
         while not stop.is_set():
@@ -91,7 +116,7 @@ class Stadium:
 
 @contextlib.contextmanager
 def running(stadium: Stadium) -> Iterator[Stadium]:
-    """A stadium that plays in a thread of its own."""
+    """A stadium that serves frames in a thread of its own."""
     stop = threading.Event()
     thread = threading.Thread(target=stadium.run, args=(stop,))
     thread.start()

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from vision_core.errors import ServiceError
-from vision_core.net.udp import Address, Datagram, Outcome, SessionSocket, SharedSocket, open_server_sockets
+from vision_core.net.udp import Address, Datagram, SendResult, SessionSocket, SharedSocket, open_server_sockets
 
 PATIENCE_S = 2.0
 
@@ -34,7 +34,7 @@ def peer_of(client: socket.socket) -> Address:
     return host, port, 0
 
 
-def received(source: SharedSocket | SessionSocket) -> Datagram | Outcome | None:
+def received(source: SharedSocket | SessionSocket) -> Datagram | SendResult | None:
     select.select([source], [], [], PATIENCE_S)
     return source.receive()
 
@@ -88,10 +88,10 @@ def test_a_session_answers_from_where_it_was_asked(host: str) -> None:
         datagram = received(shared)
         assert isinstance(datagram, Datagram)
         assert (datagram.data, datagram.local) == (b"(init blue 3)", asked)
-        assert shared.send(b"error", datagram.peer, datagram.local) is Outcome.SENT
+        assert shared.send(b"error", datagram.peer, datagram.local) is SendResult.SENT
         assert client.recvfrom(100)[1][:2] == (asked, main.getsockname()[1])
         own = SessionSocket(session, datagram.local, datagram.peer)
-        assert own.send(b"see") is Outcome.SENT
+        assert own.send(b"see") is SendResult.SENT
         data, source = client.recvfrom(100)
         assert (data, source[:2]) == (b"see", (asked, session.getsockname()[1]))
         own.close()
@@ -156,11 +156,11 @@ def test_a_closed_client_refuses(ports: tuple[socket.socket, socket.socket], cli
     """Also on the main port, where a session may have its socket."""
     own = SessionSocket(ports[which], "127.0.0.1", peer_of(client))
     client.close()
-    assert own.send(b"see") is Outcome.SENT
-    assert received(own) is Outcome.REFUSED
+    assert own.send(b"see") is SendResult.SENT
+    assert received(own) is SendResult.REFUSED
     assert own.receive() is None
     own.send(b"see")
-    assert own.send(b"see") is Outcome.REFUSED
+    assert own.send(b"see") is SendResult.REFUSED
     own.close()
 
 
@@ -168,10 +168,10 @@ def test_sending_never_blocks_and_never_raises(
     ports: tuple[socket.socket, socket.socket], client: socket.socket
 ) -> None:
     own = SessionSocket(ports[1], "127.0.0.1", peer_of(client))
-    assert own.send(bytes(100_000)) is Outcome.DROPPED  # longer than any datagram
-    assert all(own.send(bytes(1400)) is not Outcome.REFUSED for _ in range(1000))
+    assert own.send(bytes(100_000)) is SendResult.DROPPED  # longer than any datagram
+    assert all(own.send(bytes(1400)) is not SendResult.REFUSED for _ in range(1000))
     shared = SharedSocket(ports[0])
-    assert shared.send(b"x", ("255.255.255.255", 9, 0), "127.0.0.1") is Outcome.DROPPED
+    assert shared.send(b"x", ("255.255.255.255", 9, 0), "127.0.0.1") is SendResult.DROPPED
     assert shared.receive() is None
     own.close()
 

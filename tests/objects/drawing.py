@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vision_core.blobs.run_lengths import Segmenter
+from bench.segmenters import ReferenceSegmenter
 from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.geometry import Bytes, Floats, frozen, rotation
 from vision_core.models.camera import CameraModel, PinholeCamera
@@ -143,7 +143,7 @@ class Picture:
 
     def blobs(self, noise: float = 2.0, seed: int = 1, table: ColorTable = TABLE) -> Table:
         """BLOB table, shape (n,)."""
-        segmenter = Segmenter(self.width, self.height, SETTINGS.blobs)
+        segmenter = ReferenceSegmenter(self.width, self.height, SETTINGS.blobs)
         count, _ = segmenter.segment(self.as_bytes(noise, seed), table)
         return segmenter.blobs[:count]
 

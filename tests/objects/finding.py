@@ -5,6 +5,7 @@ import numpy as np
 
 from tests.objects.drawing import PAINT_TABLE, SETTINGS, Picture, overhead_camera
 from vision_core.models.camera_kernels import camera_map_from
+from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.objects.robots.reasons import Scene
 from vision_core.patterns.loader import Pattern, load_pattern
@@ -46,13 +47,13 @@ def middle(drawn: Picture, height_m: float) -> tuple[float, float]:
 def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1) -> Scene:
     pixels = drawn.as_bytes(noise, seed)
     blobs = drawn.blobs(noise, seed, PAINT_TABLE)
-    camera = camera_map_from(drawn.camera)
+    seen = Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera_map_from(drawn.camera))
 
-    def look(finder: RobotFinder) -> Table:
+    def find(finder: RobotFinder) -> Table:
         out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
-        return out[: find_robots(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera, finder, out)]
+        return out[: find_robots(seen, finder, out)]
 
-    return Scene(blobs, pixels, PAINT_TABLE, camera, look)
+    return Scene(seen, PAINT_TABLE, find)
 
 
 def seen_in(drawn: Picture, finder: RobotFinder, seed: int = 1) -> Table:

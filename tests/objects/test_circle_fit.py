@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.lib.recfunctions import structured_to_unstructured
 
+from bench.segmenters import ReferenceSegmenter
 from tests.objects.drawing import PAINTS
-from vision_core.blobs.run_lengths import Segmenter
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
@@ -18,7 +18,7 @@ from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import read_only
-from vision_core.objects.circle_fit import UNREFINED_SD, center_memory, refined_circle
+from vision_core.objects.circle_fit import UNREFINED_SD, circle_buffer, refined_circle
 from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
@@ -44,7 +44,7 @@ def picture(discs: list[Disc], ground: str = "body", noise: float = 2.0, seed: i
 
 
 def error_of(pixels: Bytes, truth: tuple[float, float], radius: float, start: tuple[float, float]) -> float:
-    x, y, _ = refined_circle(pixels, MIDDLE + start[0], MIDDLE + start[1], radius, center_memory())
+    x, y, _ = refined_circle(pixels, MIDDLE + start[0], MIDDLE + start[1], radius, circle_buffer())
     return math.dist((x, y), truth)
 
 
@@ -75,7 +75,7 @@ def test_what_covers_a_piece_of_the_rim_pulls_little_and_is_told(
     cover = truth[0] + 12.5 * math.cos(turn), truth[1] + 12.5 * math.sin(turn)
     pixels = picture([("pink", *truth, radius), ("yellow", *cover, 7.0)])
     start = truth[0] - 0.3 * math.cos(turn), truth[1] - 0.3 * math.sin(turn)
-    x, y, sd = refined_circle(pixels, *start, radius * predicted, center_memory())
+    x, y, sd = refined_circle(pixels, *start, radius * predicted, circle_buffer())
     assert math.dist((x, y), truth) < max(0.15, 4.0 * sd)
 
 
@@ -84,22 +84,22 @@ def test_what_covers_a_piece_of_the_rim_pulls_little_and_is_told(
     [(20.0, 20.0, 7.0), (0.0, 0.0, 5.0), (20.0, 20.0, 0.0), (math.nan, 3.0, 4.0), (90.0, 1.0, 4.0)],
 )
 def test_where_there_is_no_circle_the_center_stays_and_is_not_trusted(x: float, y: float, radius: float) -> None:
-    found_x, found_y, sd = refined_circle(picture([]), x, y, radius, center_memory())
+    found_x, found_y, sd = refined_circle(picture([]), x, y, radius, circle_buffer())
     np.testing.assert_equal((found_x, found_y), (x, y))
     assert sd >= UNREFINED_SD * max(radius, 1.0)
 
 
 def test_half_a_disc_at_the_edge_of_the_picture_is_no_error() -> None:
     pixels = picture([("pink", 0.5, 20.0, 6.0)])
-    x, y, sd = refined_circle(pixels, 2.0, 20.0, 6.0, center_memory())
+    x, y, sd = refined_circle(pixels, 2.0, 20.0, 6.0, circle_buffer())
     assert all(math.isfinite(value) for value in (x, y, sd))
 
 
 def test_it_is_compiled_once_for_frames_and_drawings() -> None:
     kernel: Any = refined_circle
-    refined_circle(picture([]), 20.0, 20.0, 4.0, center_memory())
+    refined_circle(picture([]), 20.0, 20.0, 4.0, circle_buffer())
     compiled = len(kernel.signatures)
-    refined_circle(read_only(np.zeros((60, 80, 3), dtype=np.uint8)), 20.0, 20.0, 7.5, center_memory())
+    refined_circle(read_only(np.zeros((60, 80, 3), dtype=np.uint8)), 20.0, 20.0, 7.5, circle_buffer())
     assert len(kernel.signatures) == compiled
 
 
@@ -111,7 +111,7 @@ def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
     pattern = load_pattern(options.robots.pattern)
     slots = np.array([patch.circle_mm for patch in pattern.patches]) / 1000.0
     pixels = np.empty((options.camera.height_px, options.camera.width_px, 3), dtype=np.uint8)
-    segmenter, memory = Segmenter(pixels.shape[1], pixels.shape[0], options.blobs), center_memory()
+    segmenter, memory = ReferenceSegmenter(pixels.shape[1], pixels.shape[0], options.blobs), circle_buffer()
     refined, plain, sds = [], [], []
     for _ in range(frames):
         source.grab(pixels)

@@ -1,8 +1,10 @@
-"""What stands on the carpet and is nobody: found where it stands, and nothing else is."""
+"""Obstacles are found where they stand, and nothing else is."""
 
+import msgspec
 import numpy as np
 import pytest
 
+from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.objects.obstacles import ObstacleFinder
@@ -78,3 +80,10 @@ def test_light_that_changes_is_learned() -> None:
     one.find(picture(light=2.0), (), ())  # all lamps on at once: learned anew
     one.find(picture(light=2.0), (), ())
     assert len(one.find(picture(BAG, light=2.0), (), ())) == 1
+
+
+def test_a_grid_that_would_fill_the_memory_is_refused() -> None:
+    field = msgspec.structs.replace(SETTINGS.field, length_m=30.0, width_m=20.0)
+    tiny = msgspec.structs.replace(SETTINGS.robots, radius_m=0.006)
+    with pytest.raises(SettingsError, match=r"15\d{3} x 10\d{3} cells; accepted: at most 1000000 cells"):
+        ObstacleFinder(field, tiny, SETTINGS.ball.radius_m, CAMERA, (WIDTH, HEIGHT), SETTINGS.obstacles)

@@ -16,7 +16,7 @@ from tests.views.scenes import AT, SETTINGS, ball, fields, obstacle, random_worl
 from vision_core.clock import Instant
 from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.net.batch import Batch
+from vision_core.net.delivery import Batch
 from vision_core.pipeline import view_encoder as module
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.protocol.codec import decode_message

@@ -5,10 +5,11 @@ from collections import deque
 import numpy as np
 
 from vision_core.clock import Instant, ManualClock
+from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.edge_codes import LetterTable
 from vision_core.protocol.lifecycle import Peer, Port
-from vision_core.protocol.session import Arrival, Event, Reply, Rules, Sessions
+from vision_core.protocol.session import Endpoint, Event, Reply, SessionRules, Sessions
 from vision_core.types.field import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.views import BallView, RobotView
@@ -16,8 +17,8 @@ from vision_core.types.views import BallView, RobotView
 LETTERS = LetterTable("-", "w", "u", "v", "q", "r", "x", "y", "A", "a")
 BOOT = Instant(5_000_000_000)
 PAPERS_TIME = Instant(BOOT + 20_306_148_000_000)
-MAIN = Arrival(Port.MAIN, "127.0.0.1")
-SESSION = Arrival(Port.SESSION, "127.0.0.1")
+MAIN = Endpoint(Port.MAIN, "127.0.0.1")
+SESSION = Endpoint(Port.SESSION, "127.0.0.1")
 CLIENT = Peer("127.0.0.1", 40000)
 OTHER = Peer("127.0.0.1", 40001)
 TEAMMATE = Peer("10.0.0.7", 40000)
@@ -25,8 +26,8 @@ STRANGER = Peer("192.0.2.9", 40000)
 SUBNETS = ("10.0.0.0/24", "fd00::/64")
 
 
-def rules(lease_s: float = 600.0) -> Rules:
-    return Rules(BOOT, 5, lease_s, 3.6, Admission.from_subnets(SUBNETS))
+def rules(lease_s: float = 600.0) -> SessionRules:
+    return SessionRules(BOOT, 5, lease_s, 3.6, PAPER_MIRROR, Admission.from_subnets(SUBNETS))
 
 
 def simple_view(
@@ -49,11 +50,11 @@ class Server:
         self.clock = ManualClock(BOOT)
         self.sessions = Sessions(rules(lease_s))
 
-    def hear(self, datagram: bytes, peer: Peer = CLIENT, arrival: Arrival = MAIN) -> list[Event]:
-        return self.sessions.receive(datagram, peer, arrival, self.clock.now())
+    def hear(self, datagram: bytes, peer: Peer = CLIENT, endpoint: Endpoint = MAIN) -> list[Event]:
+        return self.sessions.receive(datagram, peer, endpoint, self.clock.now())
 
-    def answers(self, datagram: bytes, peer: Peer = CLIENT, arrival: Arrival = MAIN) -> list[bytes]:
-        return replies(self.hear(datagram, peer, arrival))
+    def answers(self, datagram: bytes, peer: Peer = CLIENT, endpoint: Endpoint = MAIN) -> list[bytes]:
+        return replies(self.hear(datagram, peer, endpoint))
 
 
 def replies(events: list[Event]) -> list[bytes]:

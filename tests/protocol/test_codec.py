@@ -9,8 +9,22 @@ from hypothesis import strategies as st
 
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import SERVER_WORDS, decode_commands, decode_message, encode, encode_see
-from vision_core.protocol.error_codes import MEANINGS, ErrorName
-from vision_core.protocol.messages import HIDDEN, Ball, Bye, Error, Faulty, Init, InitReply, Lag, Request, See, Warn
+from vision_core.protocol.error_codes import MEANINGS, ErrorCode
+from vision_core.protocol.messages import (
+    HIDDEN,
+    Ball,
+    Bye,
+    ErrorReply,
+    Init,
+    InitReply,
+    InvalidCommand,
+    LagReport,
+    MirrorQuery,
+    MirrorReply,
+    Request,
+    See,
+    WarningReply,
+)
 from vision_core.protocol.options import MAX_DIRECTIONS, Options
 from vision_core.types.objects import Team
 
@@ -37,7 +51,7 @@ robots = st.tuples(st.sampled_from(Team), st.integers(1, 16))
 edge = st.tuples(st.sampled_from("wuvqrxyAPap-"), st.integers(0, 255)).map(lambda e: f"{e[0]}{e[1]:02x}".encode())
 balls = st.just(HIDDEN) | st.builds(Ball, st.integers(0, 254), st.integers(0, 359), st.integers(1, 180))
 shares_s = st.integers(0, 10**7).map(lambda us: us / 1e6)
-lags = st.builds(Lag, st.integers(0, 10**15), shares_s, st.none() | shares_s)
+lags = st.builds(LagReport, st.integers(0, 10**15), shares_s, st.none() | shares_s)
 sees = st.builds(See, st.integers(0, 10**15), st.lists(edge, max_size=448).map(b"".join), balls)
 
 
@@ -78,9 +92,13 @@ def test_see_survives_the_wire(see: See, nul: bool) -> None:
 
 @pytest.mark.parametrize(
     "message",
-    [InitReply(Team.YELLOW, 16, "before_kick_off"), Warn("unknown_option"), *(Error(name) for name in ErrorName)],
+    [
+        InitReply(Team.YELLOW, 16, "before_kick_off"),
+        WarningReply("unknown_option"),
+        *(ErrorReply(name) for name in ErrorCode),
+    ],
 )
-def test_short_server_messages_survive_the_wire(message: InitReply | Error | Warn) -> None:
+def test_short_server_messages_survive_the_wire(message: InitReply | ErrorReply | WarningReply) -> None:
     datagram = encode(message)
     assert decode_message(datagram) == message
     assert len(datagram) <= 39
@@ -91,11 +109,39 @@ def test_bye_survives_the_wire(bye: Bye) -> None:
     assert only(encode(bye)) == bye
 
 
+mirrors = st.sampled_from(
+    [PAPER_MIRROR, Mirror(1.933098, 0.00296946, 360000.0), Mirror(4.0 + 1 / 3, 0.04 / 3, 9e4 + 1 / 7)]
+)
+
+
+@given(mirrors, st.none() | robots)
+def test_a_mirror_survives_the_wire(mirror: Mirror, robot: tuple[Team, int] | None) -> None:
+    """To the last digit; and a server does not answer it: it is not the question, nor the option of init."""
+    reply = MirrorReply(mirror, *(robot or (None, None)))
+    assert decode_message(encode(reply)) == reply
+    assert decode_message(encode(reply)[:-1] + b" (boot 7))\0") == reply
+    assert decode_commands(encode(reply)) is None
+
+
+@pytest.mark.parametrize("query", [MirrorQuery(), MirrorQuery(Team.BLUE, 3)])
+def test_a_question_for_the_mirror_survives_the_wire(query: MirrorQuery) -> None:
+    assert only(encode(query)) == query
+    assert decode_message(encode(query)) is None
+
+
+@pytest.mark.parametrize(
+    "words",
+    [b"1 2", b"0 0 0", b"nan 0.01 90000", b"blue 4.0187 0.0125935 90000", b"blue 0 4.0187 0.0125935 90000", b"blue"],
+)
+def test_what_is_no_mirror_is_no_answer(words: bytes) -> None:
+    assert decode_message(b"(mirror %s)" % words) is None
+
+
 @given(lags, st.none() | robots)
-def test_a_report_survives_the_wire(lag: Lag, robot: tuple[Team, int] | None) -> None:
+def test_a_report_survives_the_wire(lag: LagReport, robot: tuple[Team, int] | None) -> None:
     sent = lag if robot is None else replace(lag, team=robot[0], number=robot[1])
     heard = only(encode(sent))
-    assert isinstance(heard, Lag)
+    assert isinstance(heard, LagReport)
     assert replace(heard, hold_s=0.0, client_s=None) == replace(sent, hold_s=0.0, client_s=None)
     assert heard.hold_s == pytest.approx(sent.hold_s)
     assert heard.client_s == (None if sent.client_s is None else pytest.approx(sent.client_s))
@@ -103,28 +149,28 @@ def test_a_report_survives_the_wire(lag: Lag, robot: tuple[Team, int] | None) ->
 
 @pytest.mark.parametrize("time", [b"20306.148", b"20306.148000", b"020306.1480009"])
 def test_a_report_may_print_time_in_its_own_way(time: bytes) -> None:
-    assert only(b"(LAG %s .5 -)" % time) == Lag(20306_148000, 0.0005, None)
-    assert only(b"(lag (team blue) 3 %s 5e-1 1.)" % time) == Lag(20306_148000, 0.0005, 0.001, Team.BLUE, 3)
+    assert only(b"(LAG %s .5 -)" % time) == LagReport(20306_148000, 0.0005, None)
+    assert only(b"(lag (team blue) 3 %s 5e-1 1.)" % time) == LagReport(20306_148000, 0.0005, 0.001, Team.BLUE, 3)
 
 
 @pytest.mark.parametrize(
     ("datagram", "error"),
     [
-        (b"(init)", ErrorName.ILLEGAL_TEAM),
-        (b"(init green 3)", ErrorName.ILLEGAL_TEAM),
-        (b"(init TeamName (version 9))", ErrorName.ILLEGAL_TEAM),
-        (b"(init blue)", ErrorName.ILLEGAL_NUMBER),
-        *((b"(init blue %s)" % number, ErrorName.ILLEGAL_NUMBER) for number in (b"0", b"-1", b"03", b"17", b"3.0")),
-        (b"(init blue 99999999999999999999)", ErrorName.ILLEGAL_NUMBER),
-        (b"(init blue three)", ErrorName.ILLEGAL_NUMBER),
-        (b"(init blue 3 types)", ErrorName.ILLEGAL_OPTION),
-        (b"(init blue 3 (types rainbow))", ErrorName.ILLEGAL_OPTION),
-        (b"(init blue 3 (nonsense 1))", ErrorName.ILLEGAL_OPTION),
-        (b"(init blue 3 (mirror 1 2))", ErrorName.ILLEGAL_MIRROR),
-        (b"(bye blue)", ErrorName.ILLEGAL_FORM),
-        (b"(bye pink 3)", ErrorName.ILLEGAL_TEAM),
+        (b"(init)", ErrorCode.ILLEGAL_TEAM),
+        (b"(init green 3)", ErrorCode.ILLEGAL_TEAM),
+        (b"(init TeamName (version 9))", ErrorCode.ILLEGAL_TEAM),
+        (b"(init blue)", ErrorCode.ILLEGAL_NUMBER),
+        *((b"(init blue %s)" % number, ErrorCode.ILLEGAL_NUMBER) for number in (b"0", b"-1", b"03", b"17", b"3.0")),
+        (b"(init blue 99999999999999999999)", ErrorCode.ILLEGAL_NUMBER),
+        (b"(init blue three)", ErrorCode.ILLEGAL_NUMBER),
+        (b"(init blue 3 types)", ErrorCode.ILLEGAL_OPTION),
+        (b"(init blue 3 (types rainbow))", ErrorCode.ILLEGAL_OPTION),
+        (b"(init blue 3 (nonsense 1))", ErrorCode.ILLEGAL_OPTION),
+        (b"(init blue 3 (mirror 1 2))", ErrorCode.ILLEGAL_MIRROR),
+        (b"(bye blue)", ErrorCode.ILLEGAL_FORM),
+        (b"(bye pink 3)", ErrorCode.ILLEGAL_TEAM),
         *(
-            (b"(lag %s)" % words, ErrorName.ILLEGAL_FORM)
+            (b"(lag %s)" % words, ErrorCode.ILLEGAL_FORM)
             for words in (
                 b"",
                 b"1.0",
@@ -141,21 +187,24 @@ def test_a_report_may_print_time_in_its_own_way(time: bytes) -> None:
                 b"99999999999 0.1 2",
             )
         ),
-        (b"(lag pink 3 1.0 0.1 2)", ErrorName.ILLEGAL_TEAM),
-        (b"(lag blue 0 1.0 0.1 2)", ErrorName.ILLEGAL_NUMBER),
-        (b"()", ErrorName.ILLEGAL_FORM),
-        (b"((init) blue 3)", ErrorName.ILLEGAL_FORM),
-        (b"(init blue 3", ErrorName.ILLEGAL_FORM),
-        (b"(init blue 3))", ErrorName.ILLEGAL_FORM),
-        (b"(init blue 3) x", ErrorName.ILLEGAL_FORM),
-        (b"(init bl\0ue 3)", ErrorName.ILLEGAL_FORM),
-        ("(init bl\u00fce 3)".encode(), ErrorName.ILLEGAL_FORM),
-        (b"(bye)" * 17, ErrorName.ILLEGAL_FORM),
-        (b"(teleport home)", ErrorName.UNKNOWN_COMMAND),
+        (b"(mirror blue)", ErrorCode.ILLEGAL_FORM),
+        (b"(mirror pink 3)", ErrorCode.ILLEGAL_TEAM),
+        (b"(mirror 4.0187 0.0125935)", ErrorCode.ILLEGAL_TEAM),
+        (b"(lag pink 3 1.0 0.1 2)", ErrorCode.ILLEGAL_TEAM),
+        (b"(lag blue 0 1.0 0.1 2)", ErrorCode.ILLEGAL_NUMBER),
+        (b"()", ErrorCode.ILLEGAL_FORM),
+        (b"((init) blue 3)", ErrorCode.ILLEGAL_FORM),
+        (b"(init blue 3", ErrorCode.ILLEGAL_FORM),
+        (b"(init blue 3))", ErrorCode.ILLEGAL_FORM),
+        (b"(init blue 3) x", ErrorCode.ILLEGAL_FORM),
+        (b"(init bl\0ue 3)", ErrorCode.ILLEGAL_FORM),
+        ("(init bl\u00fce 3)".encode(), ErrorCode.ILLEGAL_FORM),
+        (b"(bye)" * 17, ErrorCode.ILLEGAL_FORM),
+        (b"(teleport home)", ErrorCode.UNKNOWN_COMMAND),
     ],
 )
-def test_what_is_wrong_is_named(datagram: bytes, error: ErrorName) -> None:
-    assert only(datagram) == Faulty(error)
+def test_what_is_wrong_is_named(datagram: bytes, error: ErrorCode) -> None:
+    assert only(datagram) == InvalidCommand(error)
 
 
 def test_a_datagram_may_hold_several_forms() -> None:
@@ -175,7 +224,7 @@ def test_an_answer_to_init_deserves_no_answer() -> None:
 def test_a_higher_version_may_ask_for_more() -> None:
     init = only(b"(init blue 3 (version 2) (extra seq age) (types team))")
     assert init == Init(Team.BLUE, 3, Options(version=2, types="team"), unknown_options=True)
-    assert only(b"(init blue 3 (extra seq age))") == Faulty(ErrorName.ILLEGAL_OPTION)
+    assert only(b"(init blue 3 (extra seq age))") == InvalidCommand(ErrorCode.ILLEGAL_OPTION)
 
 
 def test_the_papers_sample() -> None:
@@ -193,7 +242,7 @@ def test_what_a_later_version_appends_is_passed_over() -> None:
 
 
 def test_every_error_has_a_meaning() -> None:
-    assert set(MEANINGS) == set(ErrorName)
+    assert set(MEANINGS) == set(ErrorCode)
 
 
 @given(st.binary(max_size=1400) | st.text(alphabet="(see init lag)blue 3.\0-wff\n", max_size=200).map(str.encode))

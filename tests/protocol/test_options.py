@@ -7,24 +7,24 @@ import pytest
 
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.codec import decode_commands
-from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.messages import Faulty, Init
+from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.messages import Init, InvalidCommand
 from vision_core.protocol.options import (
     MAX_DATAGRAM,
     MAX_DIRECTIONS,
     PAPER_OPTIONS,
-    SEE_FRAME,
+    SEE_OVERHEAD,
     Options,
     directions_deg,
     ray_indices,
 )
 
 
-def asked(option: str) -> Options | ErrorName:
+def asked(option: str) -> Options | ErrorCode:
     request = decode_commands(f"(init blue 3 {option})".encode())
     assert request is not None
     command = request.commands[0]
-    assert isinstance(command, Init | Faulty)
+    assert isinstance(command, Init | InvalidCommand)
     return command.options if isinstance(command, Init) else command.error
 
 
@@ -89,7 +89,7 @@ def test_each_option(option: str, expected: Options) -> None:
     ],
 )
 def test_illegal_options(option: str) -> None:
-    assert asked(option) is ErrorName.ILLEGAL_OPTION
+    assert asked(option) is ErrorCode.ILLEGAL_OPTION
 
 
 @pytest.mark.parametrize(
@@ -113,13 +113,13 @@ def test_illegal_options(option: str) -> None:
     ],
 )
 def test_illegal_mirrors(constants: str) -> None:
-    assert asked(f"(mirror {constants})") is ErrorName.ILLEGAL_MIRROR
+    assert asked(f"(mirror {constants})") is ErrorCode.ILLEGAL_MIRROR
 
 
 def test_the_largest_see_fits() -> None:
-    assert SEE_FRAME + 3 * MAX_DIRECTIONS <= MAX_DATAGRAM < SEE_FRAME + 3 * (MAX_DIRECTIONS + 1)
-    assert asked("(fov 112)(resolution 0.25)") != ErrorName.ILLEGAL_OPTION  # 448 directions
-    assert asked("(fov 113)(resolution 0.25)") is ErrorName.ILLEGAL_OPTION
+    assert SEE_OVERHEAD + 3 * MAX_DIRECTIONS <= MAX_DATAGRAM < SEE_OVERHEAD + 3 * (MAX_DIRECTIONS + 1)
+    assert asked("(fov 112)(resolution 0.25)") != ErrorCode.ILLEGAL_OPTION  # 448 directions
+    assert asked("(fov 113)(resolution 0.25)") is ErrorCode.ILLEGAL_OPTION
 
 
 def test_the_papers_directions_are_the_rays() -> None:

@@ -7,24 +7,24 @@ import pytest
 
 from tests.protocol.samples import LETTERS
 from vision_core.protocol.codec import COMMANDS, MAX_COMMAND, decode_commands, decode_message
-from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.lifecycle import REPORT_PERIOD_S
-from vision_core.protocol.messages import MAX_LAG_S, Faulty, Init, See
-from vision_core.protocol.options import MAX_DIRECTIONS, RULES
-from vision_core.protocol.session import OFTEN
+from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.messages import MAX_LAG_S, REPORT_PERIOD_S, Init, InvalidCommand, See
+from vision_core.protocol.options import MAX_DIRECTIONS, OPTION_PARSERS
+from vision_core.protocol.rate_limits import COMMAND_RATE, DATAGRAM, RATES
+from vision_core.protocol.session import ALL_INITS_RATE, LIMITED_ERRORS
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("word", [*ErrorName])
-def test_every_error_has_a_line(word: ErrorName) -> None:
+@pytest.mark.parametrize("word", [*ErrorCode])
+def test_every_error_has_a_line(word: ErrorCode) -> None:
     assert REFERENCE.count(f"\n| `{word}` |") == 1
 
 
 def test_every_option_has_a_line_and_the_lines_hold() -> None:
     shown = re.findall(r"^\| (`\(.*?) \| ", REFERENCE, flags=re.MULTILINE)
-    assert {re.match(r"`\((\w+)", line)[1] for line in shown} == set(RULES)  # type: ignore[index]
+    assert {re.match(r"`\((\w+)", line)[1] for line in shown} == set(OPTION_PARSERS)  # type: ignore[index]
     for line in shown:
         for option in re.findall(r"`(\(.*?\))`", line):
             values = {"A B C": "4 0.0126 90000", " W": " 90", " C": " 10", " D": " 2", " N": " 5"}
@@ -37,9 +37,19 @@ def test_every_option_has_a_line_and_the_lines_hold() -> None:
 
 
 def test_reports_are_bounded_as_it_says() -> None:
-    assert f"outside 0..{MAX_LAG_S * 1000:.0f} is passed over" in REFERENCE
+    assert f"outside 0..{MAX_LAG_S * 1000:.0f} is ignored" in REFERENCE
     assert "within half a second of your last report" in REFERENCE
     assert REPORT_PERIOD_S == 0.5
+
+
+def test_limits_are_as_it_says() -> None:
+    said = " ".join(REFERENCE.split())
+    init, other, datagram = RATES["init"], COMMAND_RATE, RATES[DATAGRAM]
+    assert f"{init.burst} inits at once and {init.rate_hz:.0f} a second" in said
+    assert f"every other command {other.burst} at once and {other.rate_hz:.0f} a second" in said
+    assert f"together may send {ALL_INITS_RATE.rate_hz:.0f} inits a second" in said
+    assert f"Above {datagram.burst} datagrams at once and {datagram.rate_hz:.0f} a second" in said
+    assert ALL_INITS_RATE.burst == ALL_INITS_RATE.rate_hz
 
 
 def test_every_command_is_named() -> None:
@@ -56,9 +66,9 @@ def test_every_letter_has_a_line(letter: str) -> None:
 
 def test_messages_shown_are_legal() -> None:
     assert isinstance(decode_message(b"(see 20306.148 ((edge) w2cw2cw2d...-ff) ((ball) 61 121 3))"), See)
-    for shown in re.findall(r"`(\((?:init|bye|lag) ?(?:blue|\(team blue|\d)[^`]*\))`", REFERENCE):
+    for shown in re.findall(r"`(\((?:init|bye|lag|mirror) ?(?:blue|\(team blue|\d)[^`]*\))`", REFERENCE):
         request = decode_commands(shown.encode())
-        assert request is None or not isinstance(request.commands[0], Faulty), shown
+        assert request is None or not isinstance(request.commands[0], InvalidCommand), shown
 
 
 def test_what_it_calls_silence_is_silence() -> None:
@@ -70,8 +80,8 @@ def test_what_it_calls_silence_is_silence() -> None:
     assert f"more than {MAX_COMMAND} bytes" in said[1]
     request = decode_commands(said[2].encode())
     assert request is not None
-    assert request.commands == (Faulty(ErrorName.ILLEGAL_FORM),)
-    assert ErrorName.ILLEGAL_FORM in OFTEN
+    assert request.commands == (InvalidCommand(ErrorCode.ILLEGAL_FORM),)
+    assert ErrorCode.ILLEGAL_FORM in LIMITED_ERRORS
 
 
 def test_the_example_shown_is_the_one_that_runs() -> None:

@@ -1,11 +1,12 @@
 """The server's side: every rule of the protocol, in bytes and instants."""
 
+from dataclasses import replace
+
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.protocol.samples import (
-    BOOT,
     CLIENT,
     MAIN,
     OTHER,
@@ -17,10 +18,26 @@ from tests.protocol.samples import (
     replies,
     rules,
 )
-from vision_core.clock import Instant, after
-from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.lifecycle import Change, Peer, Port, Session
-from vision_core.protocol.session import Arrival, Refused, Reply, SessionClosed, SessionMoved, SessionOpened, Sessions
+from tests.protocol.test_codec import option_sets
+from vision_core.protocol.codec import encode
+from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.lifecycle import Peer, Port, Session, SessionTrigger
+from vision_core.protocol.messages import Init, LagReport
+from vision_core.protocol.rate_limits import COMMAND_RATE, DATAGRAM, INVALID, RATES
+from vision_core.protocol.session import (
+    ALL_INITS_RATE,
+    STRANGER_RATE,
+    Endpoint,
+    LagReported,
+    Reply,
+    RequestRefused,
+    SessionChanged,
+    SessionClosed,
+    SessionMoved,
+    SessionOpened,
+    Sessions,
+)
+from vision_core.types.objects import Team
 
 INIT = b"(init blue 3)"
 GRANTED = b"(init blue 3 play_on)"
@@ -68,7 +85,8 @@ def test_a_repeated_init_is_answered_again_by_the_same_session() -> None:
 def test_a_repeated_init_may_change_the_options() -> None:
     server = Server()
     session = opened(server)
-    server.hear(b"(init blue 3 (types team))\0")
+    assert not any(isinstance(event, SessionChanged) for event in server.hear(INIT))
+    assert SessionChanged(session) in server.hear(b"(init blue 3 (types team))\0")
     assert session.init.options.types == "team"
     assert session.nul
 
@@ -92,7 +110,7 @@ def test_inits_far_apart_or_answered_move_nothing() -> None:
         server.hear(INIT)
     assert session.port is Port.SESSION
     for _ in range(5):
-        server.hear(INIT, arrival=SESSION)
+        server.hear(INIT, endpoint=SESSION)
     assert session.port is Port.SESSION
 
 
@@ -107,7 +125,9 @@ def test_a_refusal_right_after_the_init_moves_to_the_main_port_and_a_second_one_
     session = opened(server)
     moved = server.sessions.refused(session, server.clock.now())
     assert [type(event) for event in moved] == [SessionMoved, Reply]
-    assert server.sessions.refused(session, server.clock.now()) == [SessionClosed(session, Change.REFUSED_AT_ONCE)]
+    assert server.sessions.refused(session, server.clock.now()) == [
+        SessionClosed(session, SessionTrigger.REFUSED_AT_ONCE)
+    ]
     assert len(server.sessions) == 0
 
 
@@ -115,7 +135,7 @@ def test_a_later_refusal_ends_at_once_and_frees_the_robot() -> None:
     server = Server()
     session = opened(server)
     server.clock.advance(30.0)
-    assert server.sessions.refused(session, server.clock.now()) == [SessionClosed(session, Change.REFUSED)]
+    assert server.sessions.refused(session, server.clock.now()) == [SessionClosed(session, SessionTrigger.REFUSED)]
     assert server.sessions.refused(session, server.clock.now()) == []
     opened(server, peer=TEAMMATE)
 
@@ -123,15 +143,17 @@ def test_a_later_refusal_ends_at_once_and_frees_the_robot() -> None:
 def test_a_client_that_was_heard_on_the_session_port_is_not_moved() -> None:
     server = Server()
     session = opened(server)
-    server.hear(INIT, arrival=SESSION)
-    assert server.sessions.refused(session, server.clock.now()) == [SessionClosed(session, Change.REFUSED_AT_ONCE)]
+    server.hear(INIT, endpoint=SESSION)
+    assert server.sessions.refused(session, server.clock.now()) == [
+        SessionClosed(session, SessionTrigger.REFUSED_AT_ONCE)
+    ]
 
 
-@pytest.mark.parametrize("arrival", [MAIN, SESSION])
-def test_bye(arrival: Arrival) -> None:
+@pytest.mark.parametrize("endpoint", [MAIN, SESSION])
+def test_bye(endpoint: Endpoint) -> None:
     server = Server()
     session = opened(server)
-    assert server.hear(b"(bye)", arrival=arrival) == [SessionClosed(session, Change.LEFT)]
+    assert server.hear(b"(bye)", endpoint=endpoint) == [SessionClosed(session, SessionTrigger.LEFT)]
     assert server.answers(b"(bye)") == [b"(error not_connected)"]
 
 
@@ -139,42 +161,89 @@ def test_one_socket_may_hold_several_robots_and_must_name_them() -> None:
     server = Server()
     third, fourth = opened(server), opened(server, b"(init blue 4)")
     assert server.answers(b"(bye)") == [b"(error illegal_form)"]
-    assert server.hear(b"(bye blue 4)") == [SessionClosed(fourth, Change.LEFT)]
-    assert server.hear(b"(bye)") == [SessionClosed(third, Change.LEFT)]
+    assert server.hear(b"(bye blue 4)") == [SessionClosed(fourth, SessionTrigger.LEFT)]
+    assert server.hear(b"(bye)") == [SessionClosed(third, SessionTrigger.LEFT)]
 
 
-def served(session: Session, server: Server) -> Session:
-    """It was just sent the view of Time 0.000."""
-    session.note_served(BOOT)
-    session.served_at = server.clock.now()
-    return session
-
-
-@pytest.mark.parametrize("arrival", [MAIN, SESSION])
-def test_a_report_is_noted_and_not_answered(arrival: Arrival) -> None:
+@pytest.mark.parametrize("endpoint", [MAIN, SESSION])
+def test_a_report_is_an_event_and_gets_no_answer(endpoint: Endpoint) -> None:
     server = Server()
-    session = served(opened(server), server)
+    session = opened(server)
     server.clock.advance(0.010)
-    assert server.hear(b"(lag 0.000 2 5.5)", arrival=arrival) == []
-    assert session.network_s == pytest.approx(0.004)
-    assert session.client_s == 0.0055
-    assert session.reported == session.heard == server.clock.now()
+    report = LagReport(0, 0.002, 0.0055)
+    assert server.hear(b"(lag 0.000 2 5.5)", endpoint=endpoint) == [LagReported(session, report, server.clock.now())]
+    assert session.heard == server.clock.now()
 
 
 def test_a_report_needs_a_session() -> None:
     server = Server()
-    session = served(opened(server), server)
+    opened(server)
     assert server.answers(b"(lag 0.000 2 5.5)", OTHER) == [b"(error not_connected)"]
     assert server.answers(b"(lag blue 4 0.000 2 5.5)") == [b"(error not_connected)"]
-    assert session.network_s is None
 
 
 def test_one_socket_with_several_robots_reports_by_name() -> None:
     server = Server()
-    third, fourth = served(opened(server), server), served(opened(server, b"(init blue 4)"), server)
+    opened(server)
+    fourth = opened(server, b"(init blue 4)")
     assert server.answers(b"(lag 0.000 0 5)") == [b"(error illegal_form)"]
-    assert server.hear(b"(lag blue 4 0.000 0 5)") == []
-    assert (third.client_s, fourth.client_s) == (None, 0.005)
+    (event,) = server.hear(b"(lag blue 4 0.000 0 5)")
+    assert isinstance(event, LagReported)
+    assert event.session is fourth
+
+
+OWN_MIRROR = b"1.933098 0.00296946 360000.0"
+FIELD_MIRROR = b"4.0187 0.0125935 90000.0"
+
+
+@pytest.mark.parametrize("endpoint", [MAIN, SESSION])
+def test_a_session_is_told_its_mirror(endpoint: Endpoint) -> None:
+    server = Server()
+    session = opened(server)
+    (reply,) = server.hear(b"(mirror)\0", endpoint=endpoint)
+    assert isinstance(reply, Reply)
+    assert (reply.data, reply.to, reply.session) == (b"(mirror %s)" % FIELD_MIRROR, CLIENT, session)
+
+
+def test_the_mirror_is_the_one_that_the_session_asked_for() -> None:
+    server = Server()
+    opened(server, b"(init blue 3 (mirror %s))" % OWN_MIRROR)
+    assert server.answers(b"(mirror)") == [b"(mirror %s)" % OWN_MIRROR]
+    server.hear(INIT)
+    assert server.answers(b"(mirror)") == [b"(mirror %s)" % FIELD_MIRROR]
+
+
+def test_one_datagram_may_open_a_session_and_ask_for_its_mirror() -> None:
+    assert Server().answers(b"(init blue 3)(mirror)") == [GRANTED, b"(mirror %s)" % FIELD_MIRROR]
+
+
+def test_one_socket_with_several_robots_names_the_one_whose_mirror_it_asks_for() -> None:
+    """The answer repeats the name, so that two answers cannot be mistaken for each other."""
+    server = Server()
+    opened(server)
+    opened(server, b"(init blue 4 (mirror %s))" % OWN_MIRROR)
+    assert server.answers(b"(mirror)") == [b"(error illegal_form)"]
+    assert server.answers(b"(mirror blue 4)(mirror blue 3)") == [
+        b"(mirror blue 4 %s)" % OWN_MIRROR,
+        b"(mirror blue 3 %s)" % FIELD_MIRROR,
+    ]
+
+
+def test_nobody_else_is_told_a_mirror() -> None:
+    server = Server()
+    opened(server)
+    assert server.answers(b"(mirror)", OTHER) == [b"(error not_connected)"]
+    assert server.answers(b"(mirror blue 3)", OTHER) == []  # one error in 5 s
+    assert server.answers(b"(mirror)", STRANGER) == [b"(error not_admitted)"]
+
+
+def test_questions_for_the_mirror_are_limited() -> None:
+    server = Server()
+    opened(server)
+    answers = [answer for _ in range(100) for answer in server.answers(b"(mirror)")]
+    assert answers.count(b"(mirror %s)" % FIELD_MIRROR) == COMMAND_RATE.burst
+    assert answers.count(b"(error rate_limited)") == 1
+    assert server.answers(INIT) == [GRANTED]
 
 
 def test_a_newer_client_of_the_same_computer_takes_over() -> None:
@@ -185,7 +254,7 @@ def test_a_newer_client_of_the_same_computer_takes_over() -> None:
     told, closed = events[0], events[1]
     assert isinstance(told, Reply)
     assert (told.data, told.to, told.session) == (b"(error replaced)", CLIENT, old)
-    assert closed == SessionClosed(old, Change.REPLACED)
+    assert closed == SessionClosed(old, SessionTrigger.REPLACED)
     assert [session.peer for session in server.sessions] == [OTHER]
 
 
@@ -241,10 +310,65 @@ def test_a_datagram_with_several_mistakes_is_answered_once() -> None:
 def test_too_many_inits_over_all_are_limited() -> None:
     server = Server()
     answers = []
-    for computer in range(60):
+    for computer in range(250):
         answers += server.answers(INIT, Peer(f"10.0.0.{computer}", 5000))
-    assert answers.count(b"(error already_connected)") == 49
-    assert answers.count(b"(error rate_limited)") == 10
+    assert answers.count(b"(error already_connected)") == ALL_INITS_RATE.burst - 1
+    assert answers.count(b"(error rate_limited)") == 250 - ALL_INITS_RATE.burst
+
+
+@given(
+    phases_s=st.lists(st.floats(0.0, 0.5), min_size=32, max_size=32),
+    period_s=st.floats(0.5, 1.0),
+    laptops=st.sampled_from([1, 2]),
+    wrong=st.booleans(),
+)
+@settings(max_examples=20, deadline=None)
+def test_clients_that_repeat_their_init_are_never_over_a_limit(
+    phases_s: list[float], period_s: float, laptops: int, wrong: bool
+) -> None:
+    """After a restart all robots of both teams ask at once, and again every 0.5 to 1 s, for as long as it takes."""
+    server = Server()
+    robots = [(team, number) for team in ("blue", "yellow") for number in range(1, 17)]
+    hosts = ["127.0.0.1", "10.0.0.8"]
+    inits = sorted(
+        (phase_s + turn * period_s, number % laptops, team, number)
+        for (team, number), phase_s in zip(robots, phases_s, strict=True)
+        for turn in range(60)
+    )
+    heard: set[bytes] = set()
+    now_s = 0.0
+    for at_s, laptop, team, number in inits:
+        server.clock.advance(at_s - now_s)
+        now_s = at_s
+        word = "green" if wrong else team  # answered with an error each time
+        port = 5000 + number + 100 * (team == "blue")
+        heard.update(server.answers(f"(init {word} {number})".encode(), Peer(hosts[laptop], port)))
+    assert b"(error rate_limited)" not in heard
+    assert server.sessions.counts.limited == 0
+
+
+def test_a_few_addresses_that_ask_without_end_leave_others_their_share() -> None:
+    """Eight addresses send 800 inits a second; a ninth connects at the first attempt, each time."""
+    server = Server()
+    opened(server, INIT, TEAMMATE)
+    greedy = [Peer(f"10.0.0.{computer}", 1) for computer in range(50, 58)]
+    for turn in range(100):
+        for peer in greedy * 10:
+            server.hear(INIT, peer)
+        if turn % 10 == 9:
+            answers = server.answers(b"(init yellow 2)", Peer("10.0.0.9", 6000 + turn))
+            assert b"(init yellow 2 play_on)" in answers
+        server.clock.advance(0.1)
+
+
+def test_what_strangers_send_is_mostly_not_even_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[bytes] = []
+    monkeypatch.setattr("vision_core.protocol.session.decode_commands", read.append)
+    server = Server()
+    for number in range(5000):
+        server.hear(INIT, Peer(f"192.0.{number // 250}.{number % 250}", 7))
+    assert len(read) == STRANGER_RATE.burst
+    assert server.sessions.counts.limited == 5000 - STRANGER_RATE.burst
 
 
 def test_a_higher_version_is_answered_with_ours_and_a_warning() -> None:
@@ -257,7 +381,7 @@ def test_strangers_get_one_short_error_now_and_then() -> None:
     assert server.answers(INIT, STRANGER) == [b"(error not_admitted)"]
     assert server.hear(INIT, STRANGER) == []
     server.clock.advance(5.0)
-    assert server.hear(INIT, STRANGER)[-1] == Refused(STRANGER, ErrorName.NOT_ADMITTED)
+    assert server.hear(INIT, STRANGER)[-1] == RequestRefused(STRANGER, ErrorCode.NOT_ADMITTED)
     assert len(server.sessions) == 0
 
 
@@ -282,9 +406,10 @@ def test_garbage_gets_at_most_one_short_error(garbage: list[bytes]) -> None:
 
 def test_a_flood_is_cut_off() -> None:
     server = Server()
-    answered = sum(len(server.answers(b"(init green 1)")) for _ in range(1000))
-    assert answered == 40
-    assert server.sessions.counts.limited == 960
+    answers = [answer for _ in range(1000) for answer in server.answers(b"(init green 1)")]
+    assert answers.count(b"(error illegal_team)") == RATES[INVALID].burst
+    assert answers.count(b"(error rate_limited)") == 1
+    assert server.sessions.counts.limited == 1000 - RATES[DATAGRAM].burst
     server.clock.advance(1.0)
     assert server.answers(INIT) == [GRANTED]
 
@@ -314,36 +439,55 @@ def test_silence_ends_a_session_after_its_lease() -> None:
     server.clock.advance(600.0)
     assert server.sessions.expire(server.clock.now()) == []
     server.clock.advance(0.1)
-    assert server.sessions.expire(server.clock.now()) == [SessionClosed(session, Change.SILENT)]
+    assert server.sessions.expire(server.clock.now()) == [SessionClosed(session, SessionTrigger.SILENT)]
 
 
 def test_the_operator_may_end_a_session() -> None:
     server = Server()
     session = opened(server)
-    assert server.sessions.close(session) == [SessionClosed(session, Change.STOPPED)]
+    assert server.sessions.close(session) == [SessionClosed(session, SessionTrigger.STOPPED)]
 
 
-def test_a_restored_server_goes_on() -> None:
-    """Ports, options and the order of Time outlive the process."""
+any_init = st.builds(
+    lambda team, number, options, unknown: Init(
+        team, number, replace(options, version=2) if unknown else options, unknown_options=unknown
+    ),
+    st.sampled_from(Team),
+    st.integers(1, 5),
+    option_sets,
+    st.booleans(),
+)
+
+
+@given(st.lists(st.tuples(any_init, st.booleans(), st.booleans(), st.booleans()), max_size=3))
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+def test_restored_sessions_equal_what_was(openings: list[tuple[Init, bool, bool, bool]]) -> None:
+    """Whatever clients asked for, and whatever state they reached."""
     server = Server()
-    opened(server, b"(init blue 3 (types team) (rate 10))\0")
-    opened(server, b"(init yellow 1 (port same))", Peer("fd00::5", 7, 2))
-    settled = opened(server, b"(init blue 5)", OTHER)
-    server.hear(b"(init blue 5)", OTHER, SESSION)
-    at = Instant(BOOT + 50_000_000)
-    for session in server.sessions:
-        session.note_served(at)
+    for port, (init, nul, spoke, repeated) in enumerate(openings, start=1000):
+        data = encode(init)[:-1] + b" (novelty 1))" * init.unknown_options + b")" * (not init.unknown_options)
+        data += b"\0" * nul
+        peer = Peer("fd00::5", port, 2)
+        server.hear(data, peer)
+        for endpoint in [SESSION] * spoke + [MAIN] * repeated:
+            server.clock.advance(0.1)
+            server.hear(data, peer, endpoint)
     restored = Sessions.restore(rules(), server.sessions.snapshot())
-    assert [session.to_plain() for session in restored] == [session.to_plain() for session in server.sessions]
-    assert [session.port for session in restored] == [Port.SESSION, Port.MAIN, Port.SESSION]
-    assert not any(session.wants(at) for session in restored)
-    assert [session.wants(after(at, 0.03)) for session in restored] == [False, True, True]
+    for copy, session in zip(restored, server.sessions, strict=True):
+        for name in Session.__slots__:
+            if name != "limiter":
+                assert getattr(copy, name) == getattr(session, name), name
+
+
+def test_a_restored_server_answers_a_repeated_init() -> None:
+    server = Server()
+    opened(server, b"(init blue 5)", OTHER)
+    restored = Sessions.restore(rules(), server.sessions.snapshot())
     repeated = restored.receive(b"(init blue 5)", OTHER, MAIN, server.clock.now())
     assert [type(event) for event in repeated] == [Reply]
-    assert settled.peer == OTHER
 
 
-@pytest.mark.parametrize("snapshot", [b"", b"{", b"[]", b"{}", b"\xff", b'{"snapshot": 1, "boot": 1, "sessions": []}'])
+@pytest.mark.parametrize("snapshot", [b"", b"{", b"[]", b"{}", b"\xff", b'{"snapshot": 2, "boot": 1, "sessions": []}'])
 def test_a_foreign_snapshot_is_refused(snapshot: bytes) -> None:
     with pytest.raises(ValueError):  # noqa: PT011 (JSON's own message, or ours)
         Sessions.restore(rules(), snapshot)

@@ -6,6 +6,7 @@ import pytest
 
 from vision_core.capture.source import open_source
 from vision_core.clock import ManualClock
+from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
 from vision_core.models.camera import PinholeCamera
 from vision_core.models.camera_setup import CameraSetup
@@ -80,3 +81,11 @@ def test_numbers_where_nothing_can_be_judged(settings: Settings, image: Bytes) -
     assert line_check(image, thin, CameraSetup.from_settings(settings).model).known == 0
     nothing = line_check(np.full_like(image, 90), settings.field, CameraSetup.from_settings(settings).model)
     assert (nothing.found, nothing.samples, nothing.residual_px) == (0, 0.0, None)
+
+
+def test_a_camera_that_makes_lines_wider_than_the_picture_is_refused(settings: Settings, image: Bytes) -> None:
+    """Two swapped calibration points made numpy ask for 385 TiB."""
+    pinhole = settings.camera.pinhole
+    wrong = PinholeCamera(1e12, pinhole.center_px, pinhole.distortion, pinhole.position_m, pinhole.rotation_deg)
+    with pytest.raises(SettingsError, match="painted lines in the picture"):
+        line_check(image, settings.field, wrong)

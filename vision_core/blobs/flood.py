@@ -1,49 +1,62 @@
-"""Flood fill by runs: from one pixel to the whole blob, in memory that is taken once."""
+"""Flood fill by runs: from one pixel to its whole blob, in memory that is allocated once."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vision_core.blobs.simd import class_at
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel
+from vision_core.types.tables import Table
 
-ROW, START, END, FROM_ROW, FROM_START, FROM_END = range(6)
-"""Columns of the stack of runs: a run, END exclusive, and the run next to it that led there."""
-STACK_COLUMNS = 6
+Row: TypeAlias = Any
+"""One row of a table."""
+Bits: TypeAlias = NDArray[np.uint64]
 
-BROKE_OFF = -1
+FLOODED_RUN = np.dtype(
+    [
+        ("row", np.int32), ("start", np.int32), ("end", np.int32),
+        ("from_row", np.int32), ("from_start", np.int32), ("from_end", np.int32),
+    ]
+)  # fmt: skip
+"""A run whose neighbors are still to be searched, and the run of an adjacent row from which it was reached; ends are
+exclusive."""
+
+OVER_LIMIT = -1
+"""The flood was larger than allowed, or there was no memory for it."""
 
 
 @kernel
-def is_visited(visited: np.ndarray, y: int, x: int) -> bool:
-    """Whether a pixel was flooded. visited: uint64, shape (height, width / 64 rounded up), a bit per pixel."""
+def is_visited(visited: Bits, y: int, x: int) -> bool:
+    """Whether a pixel was flooded. visited: a bit per pixel, shape (height, width / 64 rounded up)."""
     return bool((visited[y, x >> 6] >> np.uint64(x & 63)) & np.uint64(1))
 
 
 @kernel
-def _visit(visited: np.ndarray, y: int, start: int, end: int) -> None:
-    """Set the bits of a run, END exclusive."""
-    every = ~np.uint64(0)
+def _visit(visited: Bits, y: int, start: int, end: int) -> None:
+    """Set the bits of a run, end exclusive."""
+    ones = ~np.uint64(0)
     first, last = start >> 6, (end - 1) >> 6
-    front, back = every << np.uint64(start & 63), every >> np.uint64(63 - ((end - 1) & 63))
+    front, back = ones << np.uint64(start & 63), ones >> np.uint64(63 - ((end - 1) & 63))
     if first == last:
         visited[y, first] |= front & back
         return
     visited[y, first] |= front
-    visited[y, first + 1 : last] = every
+    visited[y, first + 1 : last] = ones
     visited[y, last] |= back
 
 
 @kernel
 def flood(
     flat: Bytes, width: int, height: int, classes: Bytes, x: int, y: int,
-    visited: np.ndarray, stack: np.ndarray, budget: int, blob: Any,
+    visited: Bits, stack: Table, budget: int, blob: Row,
 ) -> int:  # fmt: skip
-    """Fill the blob that a pixel with a class belongs to; its area, or BROKE_OFF over budget or without stack.
+    """Fill in the blob of a pixel that has a class; its area, or OVER_LIMIT beyond the budget or the stack.
 
-    flat: shape (height * width * 3,); stack: shape (n, 6), int32; budget [px]; blob: a row of a BLOB table.
+    flat: pixels, shape (height * width * 3,); stack: FLOODED_RUN table; budget [px]; blob: a row of a BLOB table.
     """
+    # the run of the given pixel is the first on the stack
     color = class_at(flat, y * width + x, classes)
     start, end = _whole_run(flat, y * width, width, classes, color, x)
     _visit(visited, y, start, end)
@@ -52,8 +65,9 @@ def flood(
     area = sum_x = sum_y = 0
     left, right, upper, lower = start, end, y, y
     while top > 0:
+        # take a run and add it to the blob's sums and box
         top -= 1
-        row, start, end = int(stack[top, ROW]), int(stack[top, START]), int(stack[top, END])
+        row, start, end = int(stack[top].row), int(stack[top].start), int(stack[top].end)
         length = end - start
         area += length
         sum_x += (start + end - 1) * length
@@ -61,20 +75,23 @@ def flood(
         left, right = min(left, start), max(right, end)
         upper, lower = min(upper, row), max(lower, row)
         if area > budget or top + length + 3 > len(stack):
-            return BROKE_OFF
-        known = int(stack[top, FROM_ROW])
-        known_start, known_end = int(stack[top, FROM_START]), int(stack[top, FROM_END])
+            return OVER_LIMIT
+        # search the rows above and below for runs that touch it, diagonally too
+        known_row = int(stack[top].from_row)
+        known_start, known_end = int(stack[top].from_start), int(stack[top].from_end)
         for beside in range(row - 1, row + 2, 2):
             if beside < 0 or beside >= height:
                 continue
             here, stop = max(start - 1, 0), min(end + 1, width)
             while here < stop:
-                if beside == known and known_start - 1 <= here <= known_end:
+                # skip the run from which this one was reached
+                if beside == known_row and known_start - 1 <= here <= known_end:
                     here = known_end + 1
                     continue
                 if class_at(flat, beside * width + here, classes) != color or is_visited(visited, beside, here):
                     here += 1
                     continue
+                # a new run: mark it now, search its neighbors later
                 first, after = _whole_run(flat, beside * width, width, classes, color, here)
                 _visit(visited, beside, first, after)
                 _push(stack, top, beside, first, after, row, start, end)
@@ -88,7 +105,7 @@ def flood(
 
 @kernel
 def _whole_run(flat: Bytes, base: int, width: int, classes: Bytes, color: int, x: int) -> tuple[int, int]:
-    """Start and end, exclusive, of the run of one class that a pixel of a row lies in."""
+    """Start and end, exclusive, of the run of one class round pixel x of a row that starts at pixel ``base``."""
     start, end = x, x + 1
     while start > 0 and class_at(flat, base + start - 1, classes) == color:
         start -= 1
@@ -99,7 +116,8 @@ def _whole_run(flat: Bytes, base: int, width: int, classes: Bytes, color: int, x
 
 @kernel
 def _push(
-    stack: np.ndarray, top: int, row: int, start: int, end: int, from_row: int, from_start: int, from_end: int
+    stack: Table, top: int, row: int, start: int, end: int, from_row: int, from_start: int, from_end: int
 ) -> None:
-    stack[top, ROW], stack[top, START], stack[top, END] = row, start, end
-    stack[top, FROM_ROW], stack[top, FROM_START], stack[top, FROM_END] = from_row, from_start, from_end
+    run = stack[top]
+    run.row, run.start, run.end = row, start, end
+    run.from_row, run.from_start, run.from_end = from_row, from_start, from_end

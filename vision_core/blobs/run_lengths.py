@@ -1,80 +1,68 @@
-"""Run lengths and union-find: the classic segmentation as one compiled kernel."""
+"""Run lengths and union-find: the reference segmentation, as one compiled kernel."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes
-from vision_core.native.kernels import kernel, read_only
+from vision_core.native.kernels import kernel
 from vision_core.settings.schema import BlobSettings
-from vision_core.types.colors import ColorTable
-from vision_core.types.tables import BLOB, Table
+from vision_core.types.color_cells import color_cell
+from vision_core.types.tables import Table
 
-ROW, START, END, COLOR, PARENT = range(5)
-"""Columns of the table of runs. END is exclusive; PARENT points to an earlier run, or to itself."""
+Row: TypeAlias = Any
+"""One row of a table."""
 
-AREA, SUM_X, SUM_Y, LEFT, TOP, RIGHT, BOTTOM = range(7)
-"""Columns of the table of regions: sums over their pixels, and their bounding box."""
+RUN = np.dtype([("row", np.int32), ("start", np.int32), ("end", np.int32), ("color", np.int32), ("parent", np.int32)])
+"""Pixels of one class side by side; the end is exclusive. The parent is an earlier run of the same region, or the run
+itself: then it is the region's root."""
+
+REGION = np.dtype(
+    [
+        ("area", np.int64), ("sum_x", np.int64), ("sum_y", np.int64),
+        ("left", np.int64), ("top", np.int64), ("right", np.int64), ("bottom", np.int64),
+    ]
+)  # fmt: skip
+"""Sums over a region's pixels, and its bounding box, inclusive."""
 
 
-class RunMemory(NamedTuple):
-    """The classic's memory, taken once. A compiled function can take it as an argument."""
+class RunBuffers(NamedTuple):
+    """Memory of the reference segmentation, allocated once. Kernels take it as one argument."""
 
-    runs: NDArray[np.int32]
-    """Shape (max_runs, 5)."""
+    runs: Table
+    """RUN, shape (max_runs,)."""
     region_of_run: NDArray[np.int32]
-    regions: NDArray[np.int64]
-    """Shape (max_runs, 7)."""
+    """Shape (max_runs,)."""
+    regions: Table
+    """REGION, shape (max_runs,)."""
 
 
-def run_memory(settings: BlobSettings) -> RunMemory:
-    """Memory for pictures of any size."""
-    return RunMemory(
-        runs=np.zeros((settings.max_runs, 5), dtype=np.int32),
+def run_buffers(settings: BlobSettings) -> RunBuffers:
+    """Buffers for pictures of any size."""
+    return RunBuffers(
+        runs=np.zeros(settings.max_runs, dtype=RUN),
         region_of_run=np.zeros(settings.max_runs, dtype=np.int32),
-        regions=np.zeros((settings.max_runs, 7), dtype=np.int64),
+        regions=np.zeros(settings.max_runs, dtype=REGION),
     )
 
 
-class Segmenter:
-    """Finds the blobs of pictures of one size, in memory that is taken once.
-
-    Not to be shared between threads: two calls would write into the same tables.
-    """
-
-    def __init__(self, width_px: int, height_px: int, settings: BlobSettings) -> None:
-        self._shape = (height_px, width_px, 3)
-        self._min_area_px = settings.min_area_px
-        self._memory = run_memory(settings)
-        self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
-        """Filled by ``segment``, in scan order."""
-
-    def segment(self, pixels: Bytes, table: ColorTable) -> tuple[int, bool]:
-        """Fill ``blobs``: how many there are, and whether all had room.
-
-        pixels: shape (height, width, 3), contiguous, blue green red.
-        """
-        assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
-        return segment_runs(read_only(pixels), read_only(table.classes), self._min_area_px, self._memory, self.blobs)
-
-
 @kernel
-def segment_runs(pixels: Bytes, classes: Bytes, min_area: int, memory: RunMemory, blobs: Table) -> tuple[int, bool]:
-    """Fill a BLOB table with all blobs of a picture: how many, and whether runs and blobs had room.
+def segment_runs(pixels: Bytes, classes: Bytes, min_area: int, buffers: RunBuffers, blobs: Table) -> tuple[int, bool]:
+    """Fill a BLOB table with all blobs of a picture, in scan order: how many, and whether there was room for all.
 
     pixels: shape (height, width, 3), contiguous; classes: shape (65536,); min_area [px].
     """
-    count, runs_fit = collect_runs(pixels, classes, memory.runs)
-    found, blobs_fit = collect_blobs(memory.runs, count, min_area, memory.region_of_run, memory.regions, blobs)
-    return found, runs_fit and blobs_fit
+    count, all_runs = collect_runs(pixels, classes, buffers.runs)
+    found, all_blobs = collect_blobs(buffers.runs, count, min_area, buffers.region_of_run, buffers.regions, blobs)
+    return found, all_runs and all_blobs
 
 
 @kernel
-def collect_runs(pixels: Bytes, classes: Bytes, runs: np.ndarray) -> tuple[int, bool]:
-    """Cut all rows into runs and join touching ones; how many there are, and whether all had room.
+def collect_runs(pixels: Bytes, classes: Bytes, runs: Table) -> tuple[int, bool]:
+    """Cut all rows into runs and join touching ones; how many there are, and whether there was room for all.
 
-    pixels: shape (height, width, 3), contiguous; classes: shape (65536,); runs: shape (most, 5), filled.
+    pixels: shape (height, width, 3), contiguous; classes: shape (65536,); runs: RUN table, filled.
     """
     height, width, _ = pixels.shape
     count = above = above_end = 0
@@ -84,7 +72,8 @@ def collect_runs(pixels: Bytes, classes: Bytes, runs: np.ndarray) -> tuple[int, 
         color = 0
         start = 0
         for x in range(width):
-            here = classes[(np.intp(row[x, 0]) >> 3) << 11 | (np.intp(row[x, 1]) >> 2) << 5 | np.intp(row[x, 2]) >> 3]
+            here = classes[color_cell(row[x, 0], row[x, 1], row[x, 2])]
+            # where the class changes a run ends
             if here != color:
                 if color != 0:
                     if count == len(runs):
@@ -93,6 +82,7 @@ def collect_runs(pixels: Bytes, classes: Bytes, runs: np.ndarray) -> tuple[int, 
                     count += 1
                 color = here
                 start = x
+        # the last run of the row
         if color != 0:
             if count == len(runs):
                 return count, False
@@ -103,73 +93,75 @@ def collect_runs(pixels: Bytes, classes: Bytes, runs: np.ndarray) -> tuple[int, 
 
 
 @kernel
-def _append(runs: np.ndarray, number: int, y: int, start: int, end: int, color: int, above: int, above_end: int) -> int:
-    """Write a run and join it to the runs above that it touches; the first of them that may touch the next."""
-    runs[number, ROW] = y
-    runs[number, START] = start
-    runs[number, END] = end
-    runs[number, COLOR] = color
-    runs[number, PARENT] = number
-    while above < above_end and runs[above, END] < start:
+def _append(runs: Table, number: int, y: int, start: int, end: int, color: int, above: int, above_end: int) -> int:
+    """Write a run and join it to the runs of the row above that it touches.
+
+    above, above_end: runs of the row above that may touch it; returns the first of them that may touch the next run.
+    """
+    run = runs[number]
+    run.row, run.start, run.end, run.color, run.parent = y, start, end, color, number
+    while above < above_end and runs[above].end < start:
         above += 1
     other = above
-    while other < above_end and runs[other, START] <= end:
-        if runs[other, COLOR] == color:
+    while other < above_end and runs[other].start <= end:
+        if runs[other].color == color:
             one, two = _root(runs, number), _root(runs, other)
-            runs[max(one, two), PARENT] = min(one, two)
+            runs[max(one, two)].parent = min(one, two)
         other += 1
     return above
 
 
 @kernel
-def _root(runs: np.ndarray, run: int) -> int:
-    while runs[run, PARENT] != run:
-        runs[run, PARENT] = runs[runs[run, PARENT], PARENT]
-        run = runs[run, PARENT]
+def _root(runs: Table, run: int) -> int:
+    """The root of a run's region; paths are halved on the way."""
+    while runs[run].parent != run:
+        runs[run].parent = runs[runs[run].parent].parent
+        run = runs[run].parent
     return run
 
 
 @kernel
 def collect_blobs(
-    runs: np.ndarray, count: int, min_area: int, region_of_run: np.ndarray, regions: np.ndarray, blobs: Table
+    runs: Table, count: int, min_area: int, region_of_run: NDArray[np.int32], regions: Table, blobs: Table
 ) -> tuple[int, bool]:
-    """Sum the runs of every region; how many blobs there are, and whether all had room.
+    """Sum up the runs of every region; how many blobs there are, and whether there was room for all.
 
-    A root comes before all other runs of its region, so one pass suffices and keeps the scan order.
+    A root comes before all other runs of its region, so one pass is enough and keeps the scan order.
     """
+    # a root opens a region, every run is added to its root's
     found = 0
     for run in range(count):
         root = _root(runs, run)
         if root == run:
             region_of_run[run] = found
-            regions[found, AREA] = regions[found, SUM_X] = regions[found, SUM_Y] = 0
-            regions[found, LEFT], regions[found, RIGHT] = runs[run, START], runs[run, END] - 1
-            regions[found, TOP] = runs[run, ROW]
+            region = regions[found]
+            region.area = region.sum_x = region.sum_y = 0
+            region.left, region.right, region.top = runs[run].start, runs[run].end - 1, runs[run].row
             found += 1
-        region = region_of_run[root]
-        region_of_run[run] = region
-        _add_run(regions[region], runs[run, ROW], runs[run, START], runs[run, END])
+        number = region_of_run[root]
+        region_of_run[run] = number
+        _add_run(regions[number], runs[run].row, runs[run].start, runs[run].end)
+    # regions that are large enough become blobs
     kept = 0
     for run in range(count):
-        if runs[run, PARENT] != run or regions[region_of_run[run], AREA] < min_area:
+        if runs[run].parent != run or regions[region_of_run[run]].area < min_area:
             continue
         if kept == len(blobs):
             return kept, False
-        sums, blob = regions[region_of_run[run]], blobs[kept]
-        area = sums[AREA]
-        blob.color, blob.area_px = runs[run, COLOR], area
-        blob.x_px, blob.y_px = sums[SUM_X] / area, sums[SUM_Y] / area
-        blob.left, blob.top, blob.right, blob.bottom = sums[LEFT], sums[TOP], sums[RIGHT], sums[BOTTOM]
+        region, blob = regions[region_of_run[run]], blobs[kept]
+        blob.color, blob.area_px = runs[run].color, region.area
+        blob.x_px, blob.y_px = region.sum_x / region.area, region.sum_y / region.area
+        blob.left, blob.top, blob.right, blob.bottom = region.left, region.top, region.right, region.bottom
         kept += 1
     return kept, True
 
 
 @kernel
-def _add_run(region: np.ndarray, y: int, start: int, end: int) -> None:
+def _add_run(region: Row, y: int, start: int, end: int) -> None:
     length = end - start
-    region[AREA] += length
-    region[SUM_X] += (start + end - 1) * length // 2
-    region[SUM_Y] += y * length
-    region[LEFT] = min(region[LEFT], start)
-    region[RIGHT] = max(region[RIGHT], end - 1)
-    region[BOTTOM] = y
+    region.area += length
+    region.sum_x += (start + end - 1) * length // 2
+    region.sum_y += y * length
+    region.left = min(region.left, start)
+    region.right = max(region.right, end - 1)
+    region.bottom = y

@@ -1,8 +1,8 @@
-"""Instructions that Python has no word for, for use inside a ``@kernel``: 64 pixels at once, and single bits.
+"""Instructions that Python has no word for, for use inside a ``@kernel``: 64 pixels at once, and prefetching.
 
-A compiler turns a loop over bytes into wide instructions only while the bytes stay bytes, and numba makes them
-words as soon as they are added. So the wide part is said outright, in LLVM's vectors of 64 bytes; any processor has
-them, as one register or as several. No index is checked here: callers stay inside their arrays.
+A compiler turns a loop over bytes into wide instructions only while the values stay bytes, and numba makes them words
+as soon as they are added. So the wide part is written directly in LLVM's instructions, on vectors of 64 bytes, which
+every processor has as one register or as several. Indices are not checked here: callers stay inside their arrays.
 """
 
 from functools import reduce
@@ -11,9 +11,11 @@ from typing import Any
 from llvmlite import ir
 
 from vision_core.native.kernels import intrinsic, machine_types
-from vision_core.types.prefilter import FORMS
+from vision_core.types.colors import CELL_BITS_BGR
+from vision_core.types.prefilter import CONDITIONS
 
 LANES = 64
+"""Pixels that one instruction takes."""
 CHAINS = 4
 """Reads that do not wait for each other."""
 BYTE, WORD, LONG, VOID = ir.IntType(8), ir.IntType(32), ir.IntType(64), ir.VoidType()
@@ -21,17 +23,18 @@ BYTES, SHORTS = ir.VectorType(BYTE, LANES), ir.VectorType(ir.IntType(16), LANES)
 
 
 @intrinsic
-def candidate_bits(_typing: Any, flat: Any, pixel: Any, limits: Any) -> Any:
-    """Which of 64 pixels pass the test of ``Candidates``, as bits, the first pixel's lowest.
+def prefilter_mask(_typing: Any, flat: Any, pixel: Any, limits: Any) -> Any:
+    """Which of 64 pixels pass a ``ColorPrefilter``, as bits, the first pixel's lowest.
 
-    (flat, pixel, limits): flat uint8 (pixels * 3,), blue green red; number of the first pixel; 16 bytes, the least
-    steps and then the least levels.
+    (flat, pixel, limits): flat uint8 (pixels * 3,), blue green red; number of the first pixel; 16 bytes, the
+    prefilter's margin limits and then its level limits.
     """
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         data = context.make_array(signature.args[0])(context, builder, values[0]).data
-        given = [_everywhere(builder, builder.extract_value(values[2], number)) for number in range(2 * FORMS)]
-        passed = _passed(builder, _channels(builder, data, values[1]), given[:FORMS], given[FORMS:])
+        given = [_broadcast(builder, builder.extract_value(values[2], number)) for number in range(2 * CONDITIONS)]
+        channels = _channels(builder, data, values[1])
+        passed = _passed(builder, channels, given[:CONDITIONS], given[CONDITIONS:])
         return builder.bitcast(builder.icmp_unsigned("!=", passed, ir.Constant(BYTES, None)), LONG)
 
     return machine_types.uint64(flat, pixel, limits), code
@@ -39,7 +42,7 @@ def candidate_bits(_typing: Any, flat: Any, pixel: Any, limits: Any) -> Any:
 
 @intrinsic
 def write_cells(_typing: Any, flat: Any, pixel: Any, cells: Any, place: Any) -> Any:
-    """The cells of the color table that 64 pixels fall into: (flat, pixel, cells, place).
+    """Write the color cells of 64 pixels: (flat, pixel, cells, place).
 
     cells: uint16, filled from ``place`` on.
     """
@@ -47,9 +50,9 @@ def write_cells(_typing: Any, flat: Any, pixel: Any, cells: Any, place: Any) -> 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         data, out = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
         cell = ir.Constant(SHORTS, None)
-        for part, (drop, lift) in zip(_channels(builder, data, values[1]), ((3, 11), (2, 5), (3, 0)), strict=True):
-            level = builder.lshr(builder.zext(part, SHORTS), ir.Constant(SHORTS, [drop] * LANES))
-            cell = builder.or_(cell, builder.shl(level, ir.Constant(SHORTS, [lift] * LANES)))
+        for channel, (drop, bit) in zip(_channels(builder, data, values[1]), CELL_BITS_BGR, strict=True):
+            level = builder.lshr(builder.zext(channel, SHORTS), ir.Constant(SHORTS, [drop] * LANES))
+            cell = builder.or_(cell, builder.shl(level, ir.Constant(SHORTS, [bit] * LANES)))
         builder.store(cell, builder.bitcast(builder.gep(out, [values[3]]), SHORTS.as_pointer()), align=2)
         return context.get_dummy_value()
 
@@ -58,7 +61,7 @@ def write_cells(_typing: Any, flat: Any, pixel: Any, cells: Any, place: Any) -> 
 
 @intrinsic
 def any_class(_typing: Any, cells: Any, place: Any, classes: Any) -> Any:
-    """0 where 64 cells from ``place`` on have no class: (cells, place, classes), without a branch between them."""
+    """0 if none of the 64 cells from ``place`` on has a class: (cells, place, classes), without a branch in between."""
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         data, table = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
@@ -79,13 +82,11 @@ def class_at(_typing: Any, flat: Any, pixel: Any, classes: Any) -> Any:
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         data, table = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
         start = builder.mul(values[1], ir.Constant(LONG, 3))
-
-        def part(channel: int, drop: int, place: int) -> Any:
+        cell = ir.Constant(LONG, 0)
+        for channel, (drop, bit) in enumerate(CELL_BITS_BGR):
             at = builder.gep(data, [builder.add(start, ir.Constant(LONG, channel))])
             level = builder.lshr(builder.zext(builder.load(at), LONG), ir.Constant(LONG, drop))
-            return builder.shl(level, ir.Constant(LONG, place))
-
-        cell = builder.or_(builder.or_(part(0, 3, 11), part(1, 2, 5)), part(2, 3, 0))
+            cell = builder.or_(cell, builder.shl(level, ir.Constant(LONG, bit)))
         return builder.load(builder.gep(table, [cell]))
 
     return machine_types.uint8(flat, pixel, classes), code
@@ -93,19 +94,20 @@ def class_at(_typing: Any, flat: Any, pixel: Any, classes: Any) -> Any:
 
 @intrinsic
 def prefetch(_typing: Any, flat: Any, pixel: Any) -> Any:
-    """Ask for the memory of a pixel that is needed soon: (flat, pixel). A place outside does no harm."""
+    """Load the memory of a pixel that is needed soon into the cache: (flat, pixel). May lie outside of the picture."""
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         data = context.make_array(signature.args[0])(context, builder, values[0]).data
         at = builder.gep(data, [builder.mul(values[1], ir.Constant(LONG, 3))])
         fetch = _external(builder, "llvm.prefetch.p0", ir.FunctionType(VOID, [BYTE.as_pointer(), WORD, WORD, WORD]))
-        builder.call(fetch, [at, *(ir.Constant(WORD, how) for how in (0, 3, 1))])
+        builder.call(fetch, [at, *(ir.Constant(WORD, how) for how in (0, 3, 1))])  # to read, to keep, data
         return context.get_dummy_value()
 
     return machine_types.void(flat, pixel), code
 
 
 def _external(builder: Any, name: str, kind: Any) -> Any:
+    """An intrinsic function of LLVM, declared once per module."""
     known = builder.module.globals
     return known[name] if name in known else ir.Function(builder.module, kind, name)
 
@@ -118,7 +120,7 @@ def _wide(builder: Any, name: str, one: Any, two: Any) -> Any:
 
 
 def _channels(builder: Any, data: Any, pixel: Any) -> list[Any]:
-    """64 pixels of three bytes each, sorted into three vectors."""
+    """64 pixels of three bytes each, separated into one vector per channel."""
     start = builder.mul(pixel, ir.Constant(LONG, 3))
     thirds = []
     for third in range(3):
@@ -129,36 +131,40 @@ def _channels(builder: Any, data: Any, pixel: Any) -> list[Any]:
         places = [3 * lane + channel for lane in range(LANES)]
         front = [place if place < 2 * LANES else 0 for place in places]
         back = [lane if place < 2 * LANES else place - LANES for lane, place in enumerate(places)]
-        picked = builder.shuffle_vector(thirds[0], thirds[1], _places(front))
-        channels.append(builder.shuffle_vector(picked, thirds[2], _places(back)))
+        picked = builder.shuffle_vector(thirds[0], thirds[1], _lane_indices(front))
+        channels.append(builder.shuffle_vector(picked, thirds[2], _lane_indices(back)))
     return channels
 
 
-def _places(places: list[int]) -> Any:
+def _lane_indices(places: list[int]) -> Any:
+    """Constant indices for a shuffle."""
     return ir.Constant(ir.VectorType(WORD, LANES), places)
 
 
-def _passed(builder: Any, channels: list[Any], steps: list[Any], levels: list[Any]) -> Any:
-    """Bytes that are 0 where a pixel passes no form."""
+def _passed(builder: Any, channels: list[Any], margins: list[Any], levels: list[Any]) -> Any:
+    """Bytes that are 0 where a pixel meets none of the conditions of ``ColorPrefilter``."""
 
-    def over(one: Any, two: Any) -> Any:
+    def excess(one: Any, two: Any) -> Any:
+        """one - two, 0 where it would be negative."""
         return _wide(builder, "usub.sat", one, two)
 
     passed = ir.Constant(BYTES, None)
-    for form, channel in enumerate(channels):
-        others = channels[(form + 1) % 3], channels[(form + 2) % 3]
+    for condition, channel in enumerate(channels):
+        # conditions 0..2: the channel stands out; 3..5: it falls behind
+        others = channels[(condition + 1) % 3], channels[(condition + 2) % 3]
         largest, smallest = (_wide(builder, name, *others) for name in ("umax", "umin"))
-        for number, high, low in ((form, channel, largest), (form + 3, smallest, channel)):
-            enough = _wide(builder, "umin", over(over(high, low), steps[number]), over(high, levels[number]))
-            passed = builder.or_(passed, enough)
+        for number, high, low in ((condition, channel, largest), (condition + 3, smallest, channel)):
+            margin, level = excess(excess(high, low), margins[number]), excess(high, levels[number])
+            passed = builder.or_(passed, _wide(builder, "umin", margin, level))
+    # condition 6: light, condition 7: dark
     darkest = _wide(builder, "umin", smallest, channels[2])
     lightest = _wide(builder, "umax", largest, channels[2])
-    passed = builder.or_(passed, over(darkest, levels[6]))
-    return builder.or_(passed, over(levels[7], lightest))
+    passed = builder.or_(passed, excess(darkest, levels[6]))
+    return builder.or_(passed, excess(levels[7], lightest))
 
 
-def _everywhere(builder: Any, value: Any) -> Any:
+def _broadcast(builder: Any, value: Any) -> Any:
     """One byte in all lanes."""
-    nothing = ir.Constant(BYTES, ir.Undefined)
-    alone = builder.insert_element(nothing, value, ir.Constant(WORD, 0))
-    return builder.shuffle_vector(alone, nothing, _places([0] * LANES))
+    undefined = ir.Constant(BYTES, ir.Undefined)
+    first = builder.insert_element(undefined, value, ir.Constant(WORD, 0))
+    return builder.shuffle_vector(first, undefined, _lane_indices([0] * LANES))

@@ -1,4 +1,4 @@
-"""The client module of the paper (section 3.4): takes the place of the on-board camera in a robot's program.
+"""The client module of the paper (section 3.4): replaces the on-board camera in a robot's program.
 
     from vision_core.client import connect
 
@@ -6,15 +6,15 @@
         for view in robot:
             print(view.time_s, view.mm.min(), view.ball.direction_deg)
 
-Theory of operation. ``connect`` sends ``(init blue 3)`` until the server answers. A ``Connection`` then
-turns each ``see`` into a ``View`` of arrays; older datagrams than the last one are dropped, and
-``latest`` skips to the newest. It keeps the session alive, and when the server was restarted it asks
-again, so iteration goes on. Once a second it reports its share of the lag: from a view's arrival to the
-program's next call. Silence is normal, the camera may not see the robot: it is ``None``, no error.
-Millimetres are as right as the mirror that ``connect`` is told; pixels need none.
+Theory of operation. ``connect`` sends ``(init blue 3)`` until the server answers, and asks for the mirror of its field.
+A ``Connection`` then turns each ``see`` into a ``View`` of arrays; it skips views that are older than the last one, and
+``latest`` returns the newest. It keeps the session alive; when the server was restarted it asks again, and iteration
+goes on. Once a second it reports its share of the lag: from a view's arrival to the program's next call. Silence is
+normal when the camera does not see the robot: ``receive`` then returns None and raises nothing. Distances in
+millimetres depend on the mirror: without one that is given or told, ``connect`` raises and does not guess.
 
-NumPy and the standard library are enough, on any system. Files: ``connection``, ``view``, ``lag``, and
-``__main__``, the command ``python -m vision_core.client``.
+It needs NumPy and the standard library only, on any system. Files: ``connection``, ``view``, ``lag``, and ``__main__``,
+the command ``python -m vision_core.client``.
 """
 
 from vision_core.client.connection import Connection, connect

@@ -1,8 +1,9 @@
-"""``python -m vision_core.client``: be a robot, and print or draw what it sees."""
+"""``python -m vision_core.client``: connect as a robot, and print or draw its views."""
 
 import argparse
 import itertools
 import json
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -14,14 +15,15 @@ from vision_core.client.connection import RESTART_S, Connection, connect
 from vision_core.client.view import View
 from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import PslvError
-from vision_core.models.mirror import PAPER_MIRROR, Mirror
+from vision_core.models.mirror import Mirror
+from vision_core.protocol.error_codes import MEANINGS, ErrorCode
 from vision_core.protocol.messages import MAX_NUMBER
-from vision_core.protocol.options import FASTEST_HZ, Options
+from vision_core.protocol.options import MAX_RATE_HZ, Options
 from vision_core.types.objects import Team
 
 FAILED = 2
 STALE_S = 5.0
-"""No view for so long is worth a line."""
+"""Without a view for so long, the reason is printed."""
 MAX_TIMEOUT_S = 86400.0
 MAX_VIEWS = 10**9
 MAX_PORT = 65535
@@ -30,17 +32,18 @@ MAX_PORT = 65535
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit code: 0, also after Ctrl-C; 2 with one line on what went wrong."""
     asked = _parser().parse_args(arguments)
+    logging.basicConfig(format="pslv client: %(message)s", force=True)
     try:
         mirror = Mirror(*asked.mirror) if asked.mirror else None
         options = Options(types=asked.types, rate_hz=asked.rate, mirror=mirror)
-        of_field = Mirror(*asked.field_mirror) if asked.field_mirror else PAPER_MIRROR
+        field_mirror = Mirror(*asked.field_mirror) if asked.field_mirror else None
         robot = connect(
             asked.host,
             asked.port,
             asked.team,
             asked.number,
             options=options,
-            mirror=of_field,
+            mirror=field_mirror,
             timeout_s=asked.timeout,
         )
         with robot:
@@ -51,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     except KeyboardInterrupt:
         return 0
-    except BrokenPipeError:  # the reader of our output has seen enough
+    except BrokenPipeError:  # the reader of our output has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
@@ -99,7 +102,7 @@ def draw(view: View, robot: Connection, path: Path) -> None:
 
 
 def _views(robot: Connection, timeout_s: float) -> Iterator[View]:
-    """Views as they come; gaps are told. Raises PslvError unless the first one comes in time."""
+    """Views as they arrive; prints the reason of a gap. Raises PslvError unless the first one arrives in time."""
     clock = MonotonicClock()
     deadline = after(clock.now(), timeout_s)
     waiting = True
@@ -116,15 +119,17 @@ def _views(robot: Connection, timeout_s: float) -> Iterator[View]:
 
 
 def _why_silent(robot: Connection) -> str:
-    """The client asks a silent server every second: one that runs has just answered."""
+    """Why no view arrives. A silent server is asked once a second, so one that runs has answered lately."""
+    if robot.last_error == ErrorCode.NOT_READY:
+        return MEANINGS[ErrorCode.NOT_READY]
     if robot.silent_s >= RESTART_S:
         return f"the server has not answered for {robot.silent_s:.0f} s: does it run?"
-    who = f"{robot.init.team} {robot.init.number}"
-    return f"connected as {who} from port {robot.port}, but the camera does not see it"
+    name = f"{robot.init.team} {robot.init.number}"
+    return f"connected as {name} from port {robot.port}, but the camera does not see it"
 
 
 def _show(views: Iterator[View], robot: Connection, *, as_json: bool, picture: Path | None) -> None:
-    """Print views; draw the last one at the end, also when that is Ctrl-C."""
+    """Print views; draw the last one at the end, also after Ctrl-C."""
     last = None
     try:
         for last in views:
@@ -134,11 +139,11 @@ def _show(views: Iterator[View], robot: Connection, *, as_json: bool, picture: P
             draw(last, robot, picture)
 
 
-def _within(least: int, most: int) -> Callable[[str], int]:
+def _within(minimum: int, maximum: int) -> Callable[[str], int]:
     def integer(text: str) -> int:
         value = int(text)
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{text} is not within {least}..{most}")
+        if not minimum <= value <= maximum:
+            raise argparse.ArgumentTypeError(f"{text} is not within {minimum}..{maximum}")
         return value
 
     return integer
@@ -154,8 +159,8 @@ def _seconds(text: str) -> float:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="pslv client",
-        description="Be a robot: connect, and print what it sees.",
-        epilog="Exit code 2, with one line that says why, when the server refuses, or no view comes in time.",
+        description="Connect as a robot, and print its views.",
+        epilog="Exit code 2, and one line with the reason, when the server refuses or no view arrives in time.",
     )
     add = parser.add_argument
     add("--team", required=True, choices=[team.value for team in Team])
@@ -167,24 +172,21 @@ def _parser() -> argparse.ArgumentParser:
         default=os.environ.get("PSLV_UDP_PORT") or "6000",
         help="UDP port of the server [that of the variable PSLV_UDP_PORT, else 6000]",
     )
-    add("--count", type=_within(1, MAX_VIEWS), help="end after so many views [never]")
+    add("--count", type=_within(1, MAX_VIEWS), help="number of views to print [no limit]")
     add("--json", action="store_true", help="one line of JSON per view")
-    add("--draw", type=Path, metavar="PNG", help="draw the last view as the on-board picture")
-    add("--types", choices=["same", "team", "number"], default="same", help="how edges name robots")
-    rate_help = f"at most so many views a second, 1..{FASTEST_HZ} [every frame]"
-    add("--rate", type=_within(1, FASTEST_HZ), metavar="HZ", help=rate_help)
+    add("--draw", type=Path, metavar="PNG", help="draw the last view as the picture of an on-board camera")
+    add("--types", choices=["same", "team", "number"], default="same", help="how edge types name robots")
+    rate_help = f"at most so many views a second, 1..{MAX_RATE_HZ} [every frame]"
+    add("--rate", type=_within(1, MAX_RATE_HZ), metavar="HZ", help=rate_help)
     abc = ("A", "B", "C")
-    mirror_help = "ask for this mirror instead of the field's; metres are then right on any field"
+    mirror_help = "have the server render the views through this mirror, in place of its field's"
     add("--mirror", type=float, nargs=3, metavar=abc, help=mirror_help)
-    add(
-        "--field-mirror",
-        type=float,
-        nargs=3,
-        metavar=abc,
-        help="the field's mirror is this one, asks for nothing: metres depend on it, and the server does not tell it."
-        " It stands in the field's preset, config/fields/*.toml [that of the fields up to 3 m; --mirror goes before]",
+    field_mirror_help = (
+        "the mirror of the server's field, for a server that does not tell it: see the field's preset,"
+        " config/fields/*.toml [the server is asked]; --mirror overrides it"
     )
-    timeout_help = "wait so long for the server's answer, then so long for the first view [%(default)g s]"
+    add("--field-mirror", type=float, nargs=3, metavar=abc, help=field_mirror_help)
+    timeout_help = "wait so long for the server's answer, and then for the first view [%(default)g s]"
     add("--timeout", type=_seconds, default=5.0, metavar="S", help=timeout_help)
     return parser
 

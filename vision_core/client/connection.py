@@ -1,6 +1,7 @@
 """A robot's session with a server."""
 
 import contextlib
+import logging
 import socket
 from collections.abc import Iterator
 from types import TracebackType
@@ -10,24 +11,41 @@ from vision_core.client.lag import LagReports, SockAddress, receive_stamped, sta
 from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
 from vision_core.errors import ConnectionRefused
-from vision_core.models.mirror import PAPER_MIRROR, Mirror
+from vision_core.models.mirror import Mirror
 from vision_core.protocol.codec import MAX_ANSWER, decode_message, encode
-from vision_core.protocol.error_codes import MEANINGS
-from vision_core.protocol.messages import Bye, Error, Init, InitReply, See, ServerMessage
+from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
+from vision_core.protocol.messages import (
+    Bye,
+    ErrorReply,
+    Init,
+    InitReply,
+    MirrorQuery,
+    MirrorReply,
+    See,
+    ServerMessage,
+)
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
 
-RETRY_S = 0.3
-"""Between two attempts to connect."""
+RETRY_S = 0.5
+"""Between two attempts to connect, or to learn the mirror."""
 KEEPALIVE_S = 60.0
-"""The server drops whom it does not hear for its lease (10 minutes)."""
+"""Between two inits of a session that receives views; the server ends a session after its lease (10 minutes)."""
 SILENCE_S = 1.0
-"""Nothing heard for so long: ask the server's session port every second."""
+"""Nothing received for so long: ask the server's session port, once a second."""
 RESTART_S = 3.0
-"""Nothing heard for so long: the server was perhaps restarted, ask its main port."""
+"""Nothing received for so long: the server may have been restarted, ask its main port."""
+MIRROR_TIMEOUT_S = 5.0
+"""For learning the mirror of a server that was restarted."""
 PATIENCE_S = 1.0
 MAX_AT_ONCE = 1000
-"""More than a socket's buffer holds: draining it ends, whatever comes in [datagrams]."""
+"""Datagrams read by one call: more than a socket's buffer holds."""
+NO_MIRROR = (
+    "mirror=Mirror(A, B, C) with the constants of the server's field preset (config/fields/*.toml),"
+    " or options=Options(mirror=...) to ask for a mirror of your own"
+)
+
+log = logging.getLogger("vision_core.client")
 
 
 def connect(
@@ -37,19 +55,19 @@ def connect(
     number: int,
     *,
     options: Options = PAPER_OPTIONS,
-    mirror: Mirror = PAPER_MIRROR,
+    mirror: Mirror | None = None,
     timeout_s: float = 5.0,
     clock: Clock | None = None,
 ) -> "Connection":
     """Ask a server for a robot's views.
 
-    mirror: that of the server's field. Every ``View.mm`` and ``ball_mm`` depends on it, and version 1 of the
-    protocol does not tell it: look it up in the preset (``config/fields``, section ``mirror``) unless the field
-    is at most 3 m long, whose mirror is the default. Or ask for a mirror of your own, ``options.mirror``: the
-    server then looks through that one, it goes before ``mirror``, and distances are right on any field.
+    mirror: of the server's field; every ``View.mm`` and ``ball_mm`` depends on it. None: the server is asked for it. A
+    mirror of your own, ``options.mirror``, is used in its place: the server then renders the views through that one.
+    timeout_s: how long to wait for an answer. While the server answers that it still prepares, the wait goes on; the
+    logger "vision_core.client" says so once.
 
-    Raises ConnectionRefused when the server refuses, with its reason, or does not answer in time, and
-    ValueError for a team that is none.
+    Raises ConnectionRefused when the server refuses, with its reason, or does not answer in time, or does not tell its
+    mirror; ValueError for an unknown team.
     """
     connection = Connection(host, port, Init(Team(team), number, options), mirror, clock or MonotonicClock())
     try:
@@ -61,21 +79,25 @@ def connect(
 
 
 class Connection:
-    """An open session: iterate it, or ask for the latest view. Closing it says bye."""
+    """An open session: iterate it, or ask for the latest view. Closing it sends bye."""
 
-    def __init__(self, host: str, port: int, init: Init, mirror: Mirror, clock: Clock) -> None:
+    def __init__(self, host: str, port: int, init: Init, mirror: Mirror | None, clock: Clock) -> None:
         self.init = init
-        self.mirror = init.options.mirror or mirror
         self.mode = ""
-        """Play mode in the server's last answer."""
-        self._name = f"{init.team} {init.number} at {host}:{port}"
+        """Play mode in the server's last answer to init."""
+        self.last_error = ""
+        """Error in the server's last message, as "not_ready"; empty when it was no error."""
+        self._given_mirror = init.options.mirror or mirror
+        self._mirror = self._given_mirror
+        self._address = f"{host}:{port}"
+        self._name = f"{init.team} {init.number} at {self._address}"
         self._clock = clock
         family, self._main = _resolved(self._name, host, port)
         self._server = self._main
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         stamp_arrivals(self._socket)
-        self._heard = self._asked = self._arrived = clock.now()
-        self._lag = LagReports(self._heard)
+        self._heard_at = self._asked_at = self._arrived_at = self._mirror_due_at = clock.now()
+        self._lag = LagReports(self._heard_at)
         self._time_us = -1
 
     def __enter__(self) -> Self:
@@ -87,11 +109,18 @@ class Connection:
         self.close()
 
     def __iter__(self) -> Iterator[View]:
-        """Views as they come, for ever. Raises ConnectionRefused when the server ends the session."""
+        """Views as they arrive, without end. Raises ConnectionRefused when the server ends the session."""
         while True:
             view = self.receive(PATIENCE_S)
             if view is not None:
                 yield view
+
+    @property
+    def mirror(self) -> Mirror:
+        """The mirror that the views are decoded with. Raises ConnectionRefused while it is not known."""
+        if self._mirror is None:
+            raise self._mirror_unknown()
+        return self._mirror
 
     @property
     def port(self) -> int:
@@ -100,114 +129,177 @@ class Connection:
 
     @property
     def silent_s(self) -> float:
-        """How long nothing was heard."""
-        return seconds_between(self._heard, self._clock.now())
+        """Time since the last datagram of the server."""
+        return seconds_between(self._heard_at, self._clock.now())
 
     def open(self, timeout_s: float) -> None:
-        """Send init until the server answers. Raises ConnectionRefused."""
+        """Send init until the server answers, and learn its mirror. Raises ConnectionRefused."""
         deadline = after(self._clock.now(), timeout_s)
+        answered = waiting = False
         while self._clock.now() < deadline:
-            self._ask(self._main)
-            again = min(after(self._clock.now(), RETRY_S), deadline)
-            while (message := self._next_message(again)) is not None:
-                if isinstance(message, InitReply | See):
+            if answered:
+                self._send(encode(MirrorQuery()), self._server)
+            else:
+                self._ask(self._main)
+            again_at = min(after(self._clock.now(), RETRY_S), deadline)
+            while (message := self._next_message(again_at)) is not None:
+                answered = not isinstance(message, ErrorReply)
+                if answered and self._mirror is not None:
                     return
-        raise ConnectionRefused(
-            self._name,
-            found=f"no answer within {timeout_s:g} s",
-            accepted="the address of a running server (pslv serve) that admits this computer",
-        )
+                if self.last_error == ErrorCode.NOT_READY:
+                    if not waiting:
+                        log.warning("%s: the server still prepares; waiting until it is ready", self._name)
+                    waiting, deadline = True, after(self._clock.now(), timeout_s)
+        raise self._mirror_unknown() if answered else self._no_answer(timeout_s)
 
     def receive(self, timeout_s: float) -> View | None:
         """The next view; None when none came in time. Raises ConnectionRefused when the server ends the session."""
         self._lag.view_used(self._clock.now())
         deadline = after(self._clock.now(), timeout_s)
         while True:
-            self._stay()
-            message = self._next_message(min(deadline, after(self._clock.now(), SILENCE_S)))
-            if isinstance(message, See):
-                return self._view(message)
+            self._ask_if_due()
+            message = self._next_message(min(deadline, after(self._clock.now(), self._patience_s())))
+            if isinstance(message, See) and self._mirror is not None:
+                return self._view(message, self._mirror)
             if self._clock.now() >= deadline:
                 return None
 
     def latest(self) -> View | None:
-        """The newest view that has come, without waiting; None when there is no new one. Raises ConnectionRefused."""
+        """The newest view, without waiting; None when no new one has arrived. Raises ConnectionRefused."""
         self._lag.view_used(self._clock.now())
-        self._stay()
+        self._ask_if_due()
         newest = None
         for _ in range(MAX_AT_ONCE):
             message = self._next_message(self._clock.now())
             if message is None:
                 break
             newest = message if isinstance(message, See) else newest
-        return self._view(newest) if newest else None
+        return self._view(newest, self._mirror) if newest and self._mirror else None
 
     def close(self) -> None:
-        """Say bye and let go of the socket."""
+        """Send bye and close the socket."""
         with contextlib.suppress(OSError):
             self._send(encode(Bye()), self._server)
         self._socket.close()
 
-    def _view(self, newest: See) -> View:
-        """The view of the last datagram that was taken; about once a second the server hears how long it took."""
-        report = self._lag.view_arrived(newest.time_us, self._arrived, self._clock.now())
+    def _view(self, newest: See, mirror: Mirror) -> View:
+        """The view of the datagram that was received last. About once a second the server is sent a lag report."""
+        report = self._lag.view_arrived(newest.time_us, self._arrived_at, self._clock.now())
         if report is not None:
             self._send(encode(report), self._server)
-        return view_from_see(newest, self.init.options, self.mirror)
+        return view_from_see(newest, self.init.options, mirror)
 
-    def _stay(self) -> None:
-        """Ask again when it is time to: the server must hear us, and may have been restarted."""
-        asked_s = seconds_between(self._asked, self._clock.now())
+    def _ask_if_due(self) -> None:
+        """Keep the session alive, find a server that was restarted, and learn its mirror."""
+        now = self._clock.now()
+        asked_s = seconds_between(self._asked_at, now)
         if asked_s >= KEEPALIVE_S or min(self.silent_s, asked_s) >= SILENCE_S:
             self._ask(self._main if self.silent_s >= RESTART_S else self._server)
+        elif self._mirror is None and asked_s >= RETRY_S:
+            if now > self._mirror_due_at:
+                raise self._mirror_unknown()
+            self._asked_at = now
+            self._send(encode(MirrorQuery()), self._server)
+
+    def _patience_s(self) -> float:
+        """How long to wait for a datagram before it may be time to ask again."""
+        return SILENCE_S if self._mirror is not None else RETRY_S
 
     def _ask(self, server: SockAddress) -> None:
-        self._asked = self._clock.now()
-        self._send(encode(self.init), server)
+        """Send init; the same datagram asks for the mirror, unless one was given."""
+        self._asked_at = self._clock.now()
+        query = b"" if self._given_mirror is not None else encode(MirrorQuery())
+        self._send(encode(self.init) + query, server)
 
     def _send(self, data: bytes, server: SockAddress) -> None:
-        with contextlib.suppress(OSError):  # the network is away: silence tells
+        with contextlib.suppress(OSError):  # the network is down: the server's silence shows it
             self._socket.sendto(data, server)
 
     def _next_message(self, deadline: Instant) -> ServerMessage | None:
-        """The next message of the server that says something new, until an instant."""
+        """The next message of the server, until an instant. Raises ConnectionRefused for an error that is final.
+
+        Skips older views than the last one, and what is not for this robot.
+        """
         for _ in range(MAX_AT_ONCE):
             received = self._next_datagram(deadline)
             if received is None:
                 return None
             data, source, age_ns = received
             message = decode_message(data) if source[0] == self._main[0] else None
-            if isinstance(message, Error) and self._lag.explains(message.name):
+            if message is None or self._is_to_be_skipped(message):
                 continue
-            if isinstance(message, Error):
-                meaning = MEANINGS.get(message.name, "see the server's documentation")
-                raise ConnectionRefused(self._name, found=f"error {message.name}: {meaning}")
-            if isinstance(message, InitReply) and (message.team, message.number) != (self.init.team, self.init.number):
-                continue
-            if isinstance(message, See) and message.time_us <= self._time_us:
-                continue
-            if message is not None:
-                self._note(message, source, age_ns)
+            if isinstance(message, ErrorReply):
+                self._raise_if_final(message.name)
+                self.last_error = message.name
                 return message
+            self._note(message, source, age_ns)
+            return message
         return None
 
+    def _is_to_be_skipped(self, message: ServerMessage) -> bool:
+        robot = self.init.team, self.init.number
+        match message:
+            case InitReply(team, number):
+                return (team, number) != robot
+            case MirrorReply(_, team, number):
+                return team is not None and (team, number) != robot
+            case See():
+                return message.time_us <= self._time_us
+            case ErrorReply(name):
+                return self._lag.explains(name)
+        return False
+
+    def _raise_if_final(self, error: str) -> None:
+        """Raise ConnectionRefused for an error after which it is of no use to ask again."""
+        if error in TRANSIENT:
+            return
+        if error == ErrorCode.UNKNOWN_COMMAND and self._mirror is None:
+            raise self._mirror_unknown()
+        meaning = MEANINGS.get(error, "see the server's documentation")
+        raise ConnectionRefused(self._name, found=f"error {error}: {meaning}")
+
     def _note(self, message: ServerMessage, source: SockAddress, age_ns: int) -> None:
-        self._server, self._heard = source, self._clock.now()
-        if isinstance(message, See):
-            self._time_us, self._arrived = message.time_us, Instant(self._heard - age_ns)
-        elif isinstance(message, InitReply):
-            self.mode = message.mode
-            self._time_us = -1  # perhaps another server, whose Time began anew
+        self._server, self._heard_at, self.last_error = source, self._clock.now(), ""
+        match message:
+            case See():
+                self._time_us, self._arrived_at = message.time_us, Instant(self._heard_at - age_ns)
+            case InitReply():
+                self.mode = message.mode
+                self._time_us = (
+                    -1
+                )  # it may be another server, whose Time began anew, and whose field has another mirror
+                self._mirror = self._given_mirror
+                self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
+            case MirrorReply():
+                self._mirror = self._given_mirror or message.mirror
+
+    def _mirror_unknown(self) -> ConnectionRefused:
+        return ConnectionRefused(self._name, found="the server does not tell its mirror", accepted=NO_MIRROR)
+
+    def _no_answer(self, timeout_s: float) -> ConnectionRefused:
+        if self.last_error in MEANINGS:
+            return ConnectionRefused(
+                self._name,
+                found=f"error {self.last_error} for {timeout_s:g} s: {MEANINGS[self.last_error]}",
+                accepted="an answer to init; a longer timeout",
+            )
+        return ConnectionRefused(
+            self._name,
+            found=f"nothing answered at {self._address} within {timeout_s:g} s",
+            accepted="a server that runs there (pslv serve) and that this computer may reach: see server.udp_host and"
+            " admission.subnets in its settings, and firewalls in between",
+        )
 
     def _next_datagram(self, deadline: Instant) -> tuple[bytes, SockAddress, int] | None:
         self._socket.settimeout(max(seconds_between(self._clock.now(), deadline), 0.0))
         try:
             return receive_stamped(self._socket, MAX_ANSWER + 1)
-        except OSError:  # timeout; or, on some systems, a report that a port was closed
+        except OSError:  # a timeout; on some systems also the report that a port is closed
             return None
 
 
 def _resolved(name: str, host: str, port: int) -> tuple[int, SockAddress]:
+    """The family and address of a host, IPv4 first. Raises ConnectionRefused."""
     if not 0 < port < 65536:
         raise ConnectionRefused(name, found=f"port {port}", accepted="a port of 1..65535")
     try:

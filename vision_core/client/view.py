@@ -13,26 +13,26 @@ from vision_core.protocol.messages import NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, directions_deg
 
 HALF_PX = 0.5
-"""The server cut the true distance down to a whole pixel: its expectation lies half a pixel farther."""
+"""The server rounds distances down to whole pixels; their mean is half a pixel more."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class View:
-    """What the robot sees at one instant; arrays are read-only, one place per direction."""
+    """What the robot sees at one instant. Arrays are read-only and have one element per direction."""
 
     time_s: float
-    """Grab of the image, since the server's start."""
+    """When the image was grabbed, since the server's start."""
     letters: NDArray[np.str_]
-    """Type of the nearest edge, one character each, shape (n,). Unknown ones are kept."""
+    """Type of the nearest edge, one character each, shape (n,). Unknown types are kept."""
     px: NDArray[np.int16]
     """Its distance in the mirror's image [px], -1 for nothing within range, shape (n,)."""
     mm: Floats
     """Its distance on the floor [mm], inf for nothing, shape (n,)."""
     directions_deg: Floats
-    """From the robot's heading, in the sense that was asked for, 0 <= d < 360, shape (n,)."""
+    """From the robot's heading, in the sense of the options, 0 <= d < 360, shape (n,)."""
     ball: Ball
     ball_mm: float
-    """inf when it is hidden."""
+    """Distance of the ball on the floor [mm], inf when it is hidden."""
 
     def __repr__(self) -> str:
         """One line, not hundreds of edges."""
@@ -52,7 +52,7 @@ class View:
 
 
 def view_from_see(see: See, options: Options, mirror: Mirror) -> View:
-    """Decode the edges. options: what the session asked for; mirror: the one that the server looks through."""
+    """The view of a message. options: those of the session; mirror: the one that the server renders it through."""
     characters = np.frombuffer(see.edges, dtype=np.uint8).reshape(-1, 3)
     digits = _digit_values()[characters[:, 1:]]
     px = (digits[:, 0] * 16 + digits[:, 1]).astype(np.int16)
@@ -79,5 +79,5 @@ def _digit_values() -> NDArray[np.uint8]:
 
 @lru_cache(maxsize=8)
 def _distances_mm(mirror: Mirror) -> Floats:
-    """Distance of each pixel 0..254, and inf in the last place, where -1 finds it."""
+    """Distance of each pixel 0..254 [mm], and inf as the last element, which index -1 finds; shape (256,)."""
     return frozen(np.append(mirror.mm_from_px(np.arange(NOTHING_PX, dtype=np.float64) + HALF_PX), math.inf))

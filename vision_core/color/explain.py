@@ -1,4 +1,4 @@
-"""Why a color is of its class, and by how much it misses the others: in the units of the settings."""
+"""Why a color belongs to a class, and by how much it misses the others, in the units of the settings."""
 
 from dataclasses import dataclass
 
@@ -9,20 +9,20 @@ from vision_core.color.samples import hex_from_bgr, nearest_samples, sampled_nam
 from vision_core.geometry import Floats
 from vision_core.settings.schema import ColorRange, ColorSettings
 
-SCALES = {"hue_deg": 180.0, "phase_deg": 180.0, "saturation": 1.0, "value": 1.0, "module": 181.0, "luma": 255.0}
-"""What a miss is compared by: the axes' whole lengths."""
+AXIS_LENGTHS = {"hue_deg": 180.0, "phase_deg": 180.0, "saturation": 1.0, "value": 1.0, "module": 181.0, "luma": 255.0}
+"""Lengths of the axes of all spaces, to compare misses on different axes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What one class says of a color."""
+    """Whether one class claims a color, and if not, why."""
 
     name: str
     claims: bool
     why: str
-    """Of the box or sample that comes nearest: in which axes it misses, and by how much; empty when it claims."""
+    """On which axes the color misses the class's nearest box or sample, and by how much; empty when it claims it."""
     miss: float
-    """0 when it claims; shares of the axes' lengths, to order the classes by."""
+    """Sum of the misses in shares of the axes' lengths, to order the classes by; 0 when it claims."""
 
 
 def units_of(bgr: Floats, space: str) -> dict[str, float]:
@@ -32,7 +32,7 @@ def units_of(bgr: Floats, space: str) -> dict[str, float]:
 
 
 def verdicts(bgr: Floats, colors: ColorSettings) -> list[Verdict]:
-    """What every class says of a color, the classes by ranges first; bgr: shape (3,)."""
+    """The verdict of every class on a color, the classes by ranges first; bgr: shape (3,)."""
     values = units_of(bgr, colors.space)
     found = []
     for name, boxes in colors.classes.items():
@@ -43,22 +43,23 @@ def verdicts(bgr: Floats, colors: ColorSettings) -> list[Verdict]:
 
 
 def _misses(box: ColorRange, values: dict[str, float]) -> list[tuple[float, str]]:
-    """The axes in which a color lies outside of a box: by which share of the axis, and in words."""
+    """The axes on which a color lies outside of a box: by which share of the axis, and in words."""
     parts = []
     for axis, value in values.items():
         if (bounds := getattr(box, axis)) is None:
             continue
         low, high = bounds
         if np.isnan(value):
-            parts.append((1.0, f"{axis}: too grey to have one, not {low:g}..{high:g}"))
+            parts.append((1.0, f"{axis}: the color is too grey to have one (accepted: {low:g}..{high:g})"))
             continue
         by = _beyond(value, low, high, is_angle=axis.endswith("_deg"))
         if by > 0.0:
-            parts.append((by / SCALES[axis], f"{axis} {value:.4g} misses {low:g}..{high:g} by {by:.3g}"))
+            parts.append((by / AXIS_LENGTHS[axis], f"{axis} {value:.4g} misses {low:g}..{high:g} by {by:.3g}"))
     return parts
 
 
 def _beyond(value: float, low: float, high: float, *, is_angle: bool) -> float:
+    """Distance of a value from an interval, 0 inside; intervals of angles [deg] may wrap."""
     if not is_angle:
         return max(low - value, value - high, 0.0)
     span = high - low if high >= low else high - low + 360.0
@@ -67,20 +68,21 @@ def _beyond(value: float, low: float, high: float, *, is_angle: bool) -> float:
 
 
 def _by_samples(bgr: Floats, name: str, colors: ColorSettings) -> Verdict:
+    """The verdict of a class by samples."""
     rows, limit = bgr.reshape(1, 3), colors.sampling.tolerance
     place, distance = nearest_samples(rows, colors.samples, colors.sampling)
     owner, text = [(owner, text) for owner, texts in colors.samples.items() for text in texts][int(place[0])]
     if owner == name and distance[0] <= limit:
         return Verdict(name, True, "", 0.0)
     _, own = nearest_samples(rows, {name: colors.samples[name]}, colors.sampling)
-    why = f"its nearest sample is {own[0]:.1f} away, sampling.tolerance is {limit:g}"
+    why = f"its nearest sample is {own[0]:.1f} away, more than sampling.tolerance = {limit:g}"
     if own[0] <= limit:
-        why = f"its nearest sample is {own[0]:.1f} away, {text} of {owner} {distance[0]:.1f}"
+        why = f"its nearest sample is {own[0]:.1f} away, but {text} of {owner} is {distance[0]:.1f} away"
     return Verdict(name, False, why, float(own[0]) / 255.0)
 
 
 def in_words(bgr: Floats) -> str:
-    """A color in the units of all spaces, in one line."""
+    """A color in the units of all spaces, on one line."""
     parts = [f"bgr {' '.join(f'{level:.0f}' for level in bgr)} {hex_from_bgr(bgr.tolist())}"]
     for space in SPACES:
         values = ", ".join(

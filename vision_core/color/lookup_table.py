@@ -1,37 +1,40 @@
-"""Boxes of a color space and samples -> one table over all quantized colors."""
+"""Ranges in a color space, and samples -> one table over all quantized colors."""
 
 from collections.abc import Collection
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vision_core.color.samples import claims_by_samples
+from vision_core.color.samples import claims_by_samples, sampled_names
 from vision_core.color.spaces import ec_from_bgr, hsv_from_bgr, ymp_from_bgr
-from vision_core.geometry import Floats, frozen
+from vision_core.errors import SettingsError
+from vision_core.geometry import Floats, Mask, frozen
 from vision_core.settings.schema import ColorRange, ColorSettings
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import CELL_COUNT, CELL_SIZE_BGR, ColorTable, cell_corner
 
-CELLS = 1 << 16
 SPACES = {
     "hsv": (hsv_from_bgr, ("hue_deg", "saturation", "value")),
     "ec": (ec_from_bgr, ("luma", "hue_deg", "saturation")),
     "ymp": (ymp_from_bgr, ("luma", "module", "phase_deg")),
 }
 
-Mask = NDArray[np.bool_]
+MAX_CLASSES = 255
+"""Class numbers are bytes, and 0 is no class."""
 
 
 def compile_color_table(colors: ColorSettings) -> ColorTable:
-    """Judge every cell by its center. Where classes claim the same cell, the one listed first has it; classes by
-    samples come after those by ranges."""
+    """Judge every cell by its center. Where classes claim the same cell, the one listed first gets it; classes by
+    samples come after those by ranges. Raises SettingsError for more than MAX_CLASSES classes."""
+    names = {*colors.classes, *sampled_names(colors.samples)}
+    if len(names) > MAX_CLASSES:
+        raise SettingsError("colors: number of color classes", found=str(len(names)), accepted=f"at most {MAX_CLASSES}")
     convert, axes = SPACES[colors.space]
     cells = cell_centers()
     coordinates = dict(zip(axes, convert(cells).T, strict=True))
     claims = {name: _claim(boxes, coordinates) for name, boxes in colors.classes.items()}
     claims |= claims_by_samples(cells, colors.samples, colors.sampling)
-    classes = np.zeros(CELLS, dtype=np.uint8)
+    classes = np.zeros(CELL_COUNT, dtype=np.uint8)
     for number, claim in reversed(list(enumerate(claims.values(), start=1))):
         classes[claim] = number
     means = [
@@ -48,21 +51,22 @@ def compile_color_table(colors: ColorSettings) -> ColorTable:
 
 
 def keep_classes(table: ColorTable, names: Collection[str]) -> ColorTable:
-    """The same table with all other classes erased: what nobody searches need not become blobs."""
+    """The same table without all other classes: colors that are not searched need not become blobs."""
     kept = np.array([name in names for name in table.names])
     return replace(table, classes=frozen(np.where(kept[table.classes], table.classes, 0).astype(np.uint8)))
 
 
 def cell_centers() -> Floats:
     """Blue green red at the middle of every cell of the table, in its order, shape (65536, 3)."""
-    index = np.arange(CELLS)
-    return np.column_stack([(index >> 11) * 8 + 3.5, (index >> 5 & 63) * 4 + 1.5, (index & 31) * 8 + 3.5])
+    corner = np.column_stack(cell_corner(np.arange(CELL_COUNT)))
+    return corner + (np.array(CELL_SIZE_BGR) - 1) / 2.0
 
 
 def _claim(boxes: tuple[ColorRange, ...], coordinates: dict[str, Floats]) -> Mask:
-    claim = np.zeros(CELLS, dtype=np.bool_)
+    """Which cells lie in one of the boxes, shape (65536,)."""
+    claim = np.zeros(CELL_COUNT, dtype=np.bool_)
     for box in boxes:
-        inside = np.ones(CELLS, dtype=np.bool_)
+        inside = np.ones(CELL_COUNT, dtype=np.bool_)
         for axis, values in coordinates.items():
             if (bounds := getattr(box, axis)) is not None:
                 inside &= _within(values, *bounds, is_angle=axis.endswith("_deg"))

@@ -1,4 +1,4 @@
-"""Color spaces as whole pictures, to be looked at: where a class's bounds would have to lie can be seen in them."""
+"""The axes of color spaces as pictures, to find good bounds of a color class by eye."""
 
 import numpy as np
 
@@ -14,11 +14,14 @@ from vision_core.geometry import Bytes
 from vision_core.native.opencv import ycc_picture
 
 TURN = 256
-"""Angles in pictures are bytes, 256ths of a turn."""
+"""Angles in pictures are bytes: 256ths of a turn."""
 SHOWN_LUMA, SHOWN_MODULE = 140.0, 90.0
+"""Of the colors that show an angle."""
 MAX_MODULE = 181.0
 FAINTEST_SATURATION = 0.08
+"""Below, a hue is shown as none."""
 DARK = np.uint8(40)
+"""Grey level of pixels without a hue."""
 
 
 def ymp_picture(pixels: Bytes) -> Bytes:
@@ -30,7 +33,7 @@ def ymp_picture(pixels: Bytes) -> Bytes:
 def ec_picture(pixels: Bytes) -> Bytes:
     """Luma, hue [256ths of a turn] and saturation [255ths] of every pixel, B-Human's ECImage: same shape.
 
-    Nothing wraps: the saturation stays at 255 when it would be more. The hue of a module under 6 means nothing.
+    The saturation is clamped to 255. The hue of a module under 6 has no meaning.
     """
     luma, module, phase = np.moveaxis(ymp_picture(pixels), -1, 0)
     ratio = module.astype(np.float32) / np.maximum(luma, np.float32(DARKEST_LUMA))
@@ -38,10 +41,10 @@ def ec_picture(pixels: Bytes) -> Bytes:
 
 
 def axis_pictures(pixels: Bytes, space: str) -> dict[str, Bytes]:
-    """A picture's hue, and how colored it is, as pictures: by name, shape (height, width, 3), blue green red.
+    """Hue and strength of color of a picture as pictures, by name: shape (height, width, 3), blue green red.
 
-    Angles are shown as the color that has them, at one luma; greys, which have none, dark. The strength is shown as
-    a grey: white is the end of its scale.
+    A hue is shown as the color that has it, at one luma; greys, which have no hue, are dark. The strength is shown as a
+    grey level; white is the end of its scale.
     """
     if space == "hsv":
         rows = hsv_from_bgr(pixels)
@@ -60,6 +63,7 @@ def axis_pictures(pixels: Bytes, space: str) -> dict[str, Bytes]:
 
 
 def _chroma_wheel() -> Bytes:
+    """The color of each phase of YMP, shape (256, 3)."""
     radians = np.arange(TURN) * (2.0 * np.pi / TURN)
     luma = np.full(TURN, SHOWN_LUMA)
     ycc = np.column_stack([luma, SHOWN_MODULE * np.cos(radians), SHOWN_MODULE * np.sin(radians)])
@@ -68,6 +72,7 @@ def _chroma_wheel() -> Bytes:
 
 
 def _hsv_wheel() -> Bytes:
+    """The color of each hue of HSV, shape (256, 3)."""
     sextants = np.arange(TURN)[:, None] * (6.0 / TURN) - np.array([4.0, 2.0, 0.0])
     away = np.abs((sextants + 3.0) % 6.0 - 3.0)
     wheel: Bytes = (np.clip(2.0 - away, 0.0, 1.0) * GREY_LEVELS).astype(np.uint8)
@@ -75,7 +80,7 @@ def _hsv_wheel() -> Bytes:
 
 
 def _colored(angle: Bytes, valid: np.ndarray, wheel: Bytes) -> Bytes:
-    """Angles as the colors that have them; dark where there is none."""
+    """Angles as the colors that have them; dark where they are not valid."""
     shown: Bytes = np.where(valid[..., None], wheel[angle], DARK)
     return shown
 

@@ -1,7 +1,7 @@
-"""Classes by samples: every color is what the nearest measured color is, unless all are too far away.
+"""Classes by samples: a color has the class of the nearest measured color, unless all of them are too far away.
 
-Samples of what is *not* searched (carpet, lines, robots' bodies), listed under ``none``, take part and keep their
-surroundings free; so two samples halve the way between them, and a class grows only where nothing else was measured.
+Samples of what is *not* searched (carpet, lines, robots' bodies) are listed under ``none``: colors nearest to them have
+no class. So the border between two samples lies halfway, and a class grows only where nothing else was measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.color.spaces import ycc_from_bgr
-from vision_core.geometry import Floats
+from vision_core.geometry import Floats, Mask
 from vision_core.settings.schema import SamplingSettings
 
 NONE = "none"
-"""The class of samples of what is not searched."""
+"""Name of the list of samples that have no class."""
 
 
 def hex_from_bgr(bgr: Sequence[float]) -> str:
@@ -29,17 +29,17 @@ def bgr_from_hex(text: str) -> tuple[int, int, int]:
 
 
 def sampled_names(samples: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """The classes that samples make, in their order."""
+    """The classes that have samples, in their order."""
     return tuple(name for name in samples if name != NONE)
 
 
 def nearest_samples(
     bgr: Floats, samples: Mapping[str, Sequence[str]], settings: SamplingSettings
 ) -> tuple[NDArray[np.intp], Floats]:
-    """For each color the place of its nearest sample in their order (all classes' in one row), and how far that is.
+    """For each color the number of its nearest sample, counted over all classes, and its distance.
 
-    bgr: shape (n, 3); returns shapes (n,), (n,). The distance is that of the chroma with the luma weighted in: light
-    varies over a field more than color does. Without samples all distances are infinite.
+    bgr: shape (n, 3); returns shapes (n,), (n,). The distance is Euclidean in luma, Cb, Cr with the luma weighted less:
+    over a field light varies more than color does [grey levels]. Without samples all distances are infinite.
     """
     colors = [bgr_from_hex(text) for texts in samples.values() for text in texts]
     nearest, least = np.zeros(len(bgr), dtype=np.intp), np.full(len(bgr), np.inf)
@@ -54,9 +54,7 @@ def nearest_samples(
     return nearest, least
 
 
-def claims_by_samples(
-    bgr: Floats, samples: Mapping[str, Sequence[str]], settings: SamplingSettings
-) -> dict[str, NDArray[np.bool_]]:
+def claims_by_samples(bgr: Floats, samples: Mapping[str, Sequence[str]], settings: SamplingSettings) -> dict[str, Mask]:
     """Which colors each class claims: shape (n, 3) -> per class shape (n,)."""
     nearest, distance = nearest_samples(bgr, samples, settings)
     class_of_sample = np.array([name for name, texts in samples.items() for _ in texts] or [NONE])

@@ -1,25 +1,27 @@
-"""Color spaces that keep light apart from color, in one place.
+"""Color spaces that separate light from color.
 
-The functions map rows of shape (n, 3), blue green red in 0..255, to rows of shape (n, 3). YMP and the ECImage
-both are polar forms of the chroma (Cb, Cr): ``polar`` defines them, ``CHROMA`` tabulates it for whole pictures.
+The functions map rows of shape (n, 3), blue green red in 0..255, to rows of shape (n, 3). YMP and the ECImage are both
+polar forms of the chroma (Cb, Cr): ``polar`` defines them, ``CHROMA`` tabulates it for whole pictures.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vision_core.geometry import Bytes, Floats, frozen
+from vision_core.types.colors import LUMA_BGR
 
 GREY_LEVELS = 255.0
+BLUE_WEIGHT, GREEN_WEIGHT, RED_WEIGHT = LUMA_BGR.tolist()
 DARKEST_LUMA = 16.0
-"""Below, a ratio to the luma tells of noise; at 0 it would be infinite."""
+"""Lower limit of the luma in ratios to it: below, they would be mostly noise, and infinite at 0."""
 FAINTEST_MODULE = 6.0
-"""Below, rounding and noise turn the hue about."""
+"""Below, the hue is mostly rounding and noise."""
 
 
 def hsv_from_bgr(bgr: ArrayLike) -> Floats:
     """Hue [deg, 0 <= h < 360], saturation [0..1] and value [0..1] of Smith's hexcone.
 
-    Greys have no hue: theirs is 0, so bound the saturation wherever you bound the hue.
+    Greys have no hue: theirs is 0, so a range of hues needs a range of saturations.
     Source: A. R. Smith, "Color gamut transform pairs", SIGGRAPH 1978.
     """
     blue, green, red = _channels(bgr)
@@ -42,7 +44,7 @@ def ymp_from_bgr(bgr: ArrayLike) -> Floats:
     The space of the CAMBADA robots (Neves et al., modular vision, section 3): luma as in YUV, module
     and phase the polar coordinates of the UV plane; here with the weights of ITU-R BT.601, full range.
     The module does not grow when a color darkens towards black, as the saturation of HSV does.
-    Greys have module 0 and phase 0, so bound the module wherever you bound the phase.
+    Greys have module 0 and phase 0, so a range of phases needs a range of modules.
     """
     luma, cb, cr = ycc_from_bgr(bgr).T
     return np.column_stack([luma, *polar(cb, cr)])
@@ -51,9 +53,9 @@ def ymp_from_bgr(bgr: ArrayLike) -> Floats:
 def ec_from_bgr(bgr: ArrayLike) -> Floats:
     """Luma [0..255], hue [deg, 0 <= h < 360] and saturation [0..1] of B-Human's ECImage.
 
-    The hue is the angle of (Cb, Cr), not a number where the chroma is too faint to have one. The saturation is
-    |(Cb, Cr)| / luma, which keeps black and white apart from colors in every light; at most 1, and under a luma of
-    16 as if the luma were 16.
+    The hue is the angle of (Cb, Cr), nan where the chroma is too faint to have one. The saturation is
+    |(Cb, Cr)| / luma, which separates black and white from colors in every light; at most 1, and below a luma of
+    16 computed as if the luma were 16.
     Source: B-Human team report, "Image format and color spaces".
     """
     luma, cb, cr = ycc_from_bgr(bgr).T
@@ -65,21 +67,21 @@ def ec_from_bgr(bgr: ArrayLike) -> Floats:
 def ycc_from_bgr(bgr: ArrayLike) -> Floats:
     """Luma [0..255] and the chroma Cb, Cr [-127.5..127.5] of ITU-R BT.601, full range."""
     blue, green, red = _channels(bgr)
-    luma = 0.299 * red + 0.587 * green + 0.114 * blue
-    cb = (blue - luma) * (0.5 / (1.0 - 0.114))
-    cr = (red - luma) * (0.5 / (1.0 - 0.299))
+    luma = RED_WEIGHT * red + GREEN_WEIGHT * green + BLUE_WEIGHT * blue
+    cb = (blue - luma) * (0.5 / (1.0 - BLUE_WEIGHT))
+    cr = (red - luma) * (0.5 / (1.0 - RED_WEIGHT))
     return np.column_stack([luma, cb, cr])
 
 
 def bgr_from_ycc(ycc: Floats) -> Floats:
-    """The way back, not clipped: rows of luma, Cb, Cr -> rows of blue green red."""
+    """The inverse of ``ycc_from_bgr``, not clipped: rows of luma, Cb, Cr -> rows of blue green red."""
     luma, cb, cr = ycc.T
     blue, red = luma + 1.772 * cb, luma + 1.402 * cr
-    return np.column_stack([blue, (luma - 0.114 * blue - 0.299 * red) / 0.587, red])
+    return np.column_stack([blue, (luma - BLUE_WEIGHT * blue - RED_WEIGHT * red) / GREEN_WEIGHT, red])
 
 
 def polar(cb: Floats, cr: Floats) -> tuple[Floats, Floats]:
-    """Module and phase [deg, 0 <= p < 360] of chromas, of their shape."""
+    """Module and phase [deg, 0 <= p < 360] of chromas; results have their shape."""
     return np.hypot(cb, cr), np.degrees(np.arctan2(cr, cb)) % 360.0
 
 
@@ -90,8 +92,8 @@ def _chroma_table() -> Bytes:
 
 
 CHROMA = _chroma_table()
-"""Module [0..181] and phase [256ths of a turn] of every (Cb, Cr) as a camera gives them, with 128 for no chroma:
-shape (256, 256, 2)."""
+"""Module [0..181] and phase [256ths of a turn] of every (Cb, Cr) of a camera, where 128 is no chroma; shape
+(256, 256, 2)."""
 
 
 def _channels(bgr: ArrayLike) -> Floats:

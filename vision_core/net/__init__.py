@@ -1,13 +1,16 @@
-"""The only server sockets. ``udp`` makes them and knows no protocol; ``batch`` sends one
-frame's datagrams from compiled code; ``server`` joins them to ``Sessions``. ``control`` is no server: it asks a
-running service for its database, for ``pslv top`` and benchmarks.
+"""The server's sockets; no other package of the core opens any.
 
-Two ports. Clients send ``init`` to the main port; everything else goes through the session port, where
-each session has a socket of its own, bound to our address that the init came to and connected to its
-client. So the kernel routes each client to its own socket, drops strangers' datagrams there, and reports
-when a client's machine says that nobody listens. An unconnected socket on the session port catches the
-rest. A session that must answer from the main port has its connected socket there.
+``udp`` opens UDP sockets and knows no protocol. ``delivery`` sends a frame's datagrams from compiled code. ``server``
+joins both to the ``Sessions`` of the protocol. ``control`` is the other side of a service's control socket: it asks a
+running service for its database, for ``pslv top`` and benchmarks. ``unix_peers`` names the process at the other end of
+a Unix socket.
 
-Both ports are taken exclusively, then opened for sharing among our own: ``SO_REUSEADDR`` is set after
-``bind``, so a second server meets "address already in use", while the sockets of sessions may join.
+Two ports. Clients send ``init`` to the main port; everything else goes through the session port. There each session has
+a socket of its own, bound to our address that the init came to and connected to its client. So the kernel gives each
+client's datagrams to the client's own socket, drops those of other senders there, and reports when a client's computer
+has closed its port. An unconnected socket on the session port receives the rest. A session that must answer from the
+main port has its connected socket there.
+
+Both ports are bound exclusively and opened for sharing afterwards: ``SO_REUSEADDR`` is set after ``bind``. So a second
+server gets "address already in use", while the sockets of sessions may be bound to the same port.
 """

@@ -1,4 +1,4 @@
-"""UDP sockets of the server: standard library only, no protocol. Nothing here ever blocks."""
+"""UDP sockets of the server: standard library only, no protocol. No call blocks."""
 
 import contextlib
 import errno
@@ -14,46 +14,46 @@ Address: TypeAlias = tuple[str, int, int]
 """Host, port, and the scope of an IPv6 link-local address (0 elsewhere)."""
 
 MAX_RECEIVED = 2048
-"""The rest of a longer datagram is cut off; it is over every limit anyway [bytes]."""
+"""A longer datagram is cut off; it is over every limit anyway [bytes]."""
 SHARED_BUFFER = 1 << 20
-"""Of an unconnected socket: a flood must not push out another client's init [bytes]."""
+"""Receive buffer of an unconnected socket [bytes]: a flood shall not push out another client's init."""
 SEND_BUFFER = 16384
-"""Of a session: a few views; older ones are worth nothing [bytes]."""
+"""Send buffer of a session [bytes]: a few views. Older ones are of no use to the client."""
 DSCP_EF = 46 << 2
-"""Expedited forwarding, as the byte that holds it."""
+"""Expedited forwarding (RFC 3246), as the TOS byte."""
 TAKEN = "another program has it"
 ANY_PORT_ATTEMPTS = 50
 IP_PKTINFO = getattr(socket, "IP_PKTINFO", 8)
-"""Linux's number; the socket module learned the name late."""
+"""Linux's number, for Python versions whose socket module does not name it."""
 IN_PKTINFO = struct.Struct("=i4s4s")
 IN6_PKTINFO = struct.Struct("=16si")
 ANCILLARY = socket.CMSG_SPACE(IN6_PKTINFO.size)
 
 
-class Outcome(Enum):
-    """What became of a datagram that was sent."""
+class SendResult(Enum):
+    """The result of sending a datagram."""
 
     SENT = "sent"
     DROPPED = "dropped"
-    """Buffers are full, or the network is away: it is lost, the session stays."""
+    """The buffer is full or the network is down: the datagram is lost, the session stays."""
     REFUSED = "refused"
-    """The client's machine says that nobody listens."""
+    """The client's computer reports a closed port."""
 
 
 @dataclass(frozen=True, slots=True)
 class Datagram:
-    """What came in."""
+    """A datagram that was received."""
 
     data: bytes
     peer: Address
     local: str
-    """Our address that it came to."""
+    """Our address that it was sent to."""
 
 
 def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[socket.socket, socket.socket]:
     """The main socket and the unconnected one of the session port, bound and non-blocking.
 
-    session_port 0: udp_port + 1; udp_port 0: any free pair. Raises ServiceError when they cannot be had.
+    session_port 0: udp_port + 1; udp_port 0: any free pair. Raises ServiceError when they cannot be opened.
     """
     if udp_port == 65535 and session_port == 0:
         raise ServiceError("a session port of udp_port + 1", found="udp_port 65535", accepted="udp_port below 65535")
@@ -68,12 +68,12 @@ def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[so
 
 
 def adopted(descriptor: int) -> socket.socket:
-    """A socket that another process opened and handed down."""
+    """The socket of a descriptor that the supervisor has passed on to this process."""
     return socket.socket(fileno=descriptor)
 
 
 class SharedSocket:
-    """An unconnected socket: anybody may send to it."""
+    """An unconnected socket: it receives from every sender."""
 
     def __init__(self, bound: socket.socket) -> None:
         self._socket = bound
@@ -81,30 +81,32 @@ class SharedSocket:
         self._wildcard = self._local in ("0.0.0.0", "::")  # noqa: S104 (compared, not bound)
 
     def fileno(self) -> int:
+        """The socket's descriptor."""
         return self._socket.fileno()
 
     @property
     def socket(self) -> socket.socket:
+        """The socket itself."""
         return self._socket
 
     def receive(self) -> Datagram | None:
-        """The next datagram; None when there is none. An error that the network reported is passed over."""
+        """The next datagram; None when there is none, or the network has reported an error."""
         try:
             data, ancillary, _, source = self._socket.recvmsg(MAX_RECEIVED, ANCILLARY)
         except OSError:
             return None
-        return Datagram(data, _address(source), self._arrived_at(ancillary))
+        return Datagram(data, _address(source), self._local_address(ancillary))
 
-    def send(self, data: bytes, peer: Address, local: str) -> Outcome:
-        """Send from our address that the request came to."""
+    def send(self, data: bytes, peer: Address, local: str) -> SendResult:
+        """Send to a client, from our address that its request was sent to."""
         ancillary = _source_address(self._socket.family, local) if self._wildcard else []
         try:
             self._socket.sendmsg([data], ancillary, 0, _sockaddr(self._socket.family, peer))
         except OSError:
-            return Outcome.DROPPED
-        return Outcome.SENT
+            return SendResult.DROPPED
+        return SendResult.SENT
 
-    def _arrived_at(self, ancillary: list[tuple[int, int, bytes]]) -> str:
+    def _local_address(self, ancillary: list[tuple[int, int, bytes]]) -> str:
         for level, kind, content in ancillary:
             if (level, kind) == (socket.IPPROTO_IP, IP_PKTINFO) and len(content) >= IN_PKTINFO.size:
                 return socket.inet_ntoa(IN_PKTINFO.unpack_from(content)[2])
@@ -116,8 +118,8 @@ class SharedSocket:
 class SessionSocket:
     """A socket of one session: on one of the server's ports, connected to the client.
 
-    Between bind and connect a stranger's datagram may slip in; so every datagram carries its own sender.
-    Raises OSError when the system has no socket for it.
+    Between bind and connect it may receive a datagram of another sender; so every datagram names its sender.
+    Raises OSError when the system has no socket left, or the address is not ours.
     """
 
     def __init__(self, shared: socket.socket, local: str, peer: Address) -> None:
@@ -127,7 +129,7 @@ class SessionSocket:
             self._socket.setblocking(False)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-            _prefer(self._socket)
+            _request_low_delay(self._socket)
             own = (local, shared.getsockname()[1], peer[2])
             self._socket.bind(_sockaddr(shared.family, own))
             self._socket.connect(_sockaddr(shared.family, peer))
@@ -136,27 +138,29 @@ class SessionSocket:
             raise
 
     def fileno(self) -> int:
+        """The socket's descriptor."""
         return self._socket.fileno()
 
     def close(self) -> None:
+        """Close the socket."""
         self._socket.close()
 
-    def send(self, data: bytes) -> Outcome:
-        """Send to the client, now or never."""
+    def send(self, data: bytes) -> SendResult:
+        """Send to the client, without waiting."""
         try:
             self._socket.send(data)
         except ConnectionRefusedError:
-            return Outcome.REFUSED
-        except OSError:  # EWOULDBLOCK, ENOBUFS, ENETUNREACH, EHOSTUNREACH, ENETDOWN, EINVAL: an address that went
-            return Outcome.DROPPED
-        return Outcome.SENT
+            return SendResult.REFUSED
+        except OSError:  # EWOULDBLOCK, ENOBUFS, ENETUNREACH, EHOSTUNREACH, ENETDOWN; EINVAL: our address is gone
+            return SendResult.DROPPED
+        return SendResult.SENT
 
-    def receive(self) -> Datagram | Outcome | None:
-        """The next datagram; REFUSED when the client's machine said so; None when there is nothing."""
+    def receive(self) -> Datagram | SendResult | None:
+        """The next datagram; REFUSED when the client's computer reports a closed port; None when there is neither."""
         try:
             data, source = self._socket.recvfrom(MAX_RECEIVED)
         except ConnectionRefusedError:
-            return Outcome.REFUSED
+            return SendResult.REFUSED
         except OSError:
             return None
         return Datagram(data, _address(source), self._local)
@@ -168,10 +172,10 @@ def _open_shared(host: str, port: int) -> socket.socket:
     try:
         opened.setblocking(False)
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SHARED_BUFFER)
-        _tell_arrival(opened)
-        _prefer(opened)
+        _report_local_address(opened)
+        _request_low_delay(opened)
         opened.bind(sockaddr)
-        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # after bind: see the package's docstring
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # after bind: see the docstring of the package
     except OSError as error:
         opened.close()
         raise _no_port(host, port, error) from None
@@ -189,7 +193,7 @@ def _open_second(main: socket.socket, host: str, port: int) -> socket.socket:
 def _resolved(host: str, port: int) -> tuple[int, tuple[str | int, ...]]:
     try:
         found = socket.getaddrinfo(host or None, port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE)
-    except (OSError, ValueError) as error:  # ValueError: what no host can be named
+    except (OSError, ValueError) as error:  # ValueError: no legal host name
         raise ServiceError(f"UDP address {host!r}", found=str(error), accepted="an address of this machine") from None
     family, _, _, _, sockaddr = min(found, key=lambda info: info[0] != socket.AF_INET)
     return family, (str(sockaddr[0]), *(int(part) for part in sockaddr[1:]))
@@ -203,16 +207,16 @@ def _no_port(host: str, port: int, error: OSError) -> ServiceError:
     return ServiceError(f"UDP port {port} of {host or 'all addresses'}", found=found, accepted=accepted)
 
 
-def _tell_arrival(opened: socket.socket) -> None:
-    """Have each datagram say which of our addresses it came to."""
+def _report_local_address(opened: socket.socket) -> None:
+    """Have the kernel say which of our addresses each datagram was sent to."""
     if opened.family == socket.AF_INET6:
         opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_RECVPKTINFO, 1)
     else:
         opened.setsockopt(socket.IPPROTO_IP, IP_PKTINFO, 1)
 
 
-def _prefer(opened: socket.socket) -> None:
-    """Ask the network for low delay; not every network listens."""
+def _request_low_delay(opened: socket.socket) -> None:
+    """Ask the network for low delay; not every network grants it."""
     with contextlib.suppress(OSError):
         if opened.family == socket.AF_INET6:
             opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS, DSCP_EF)

@@ -5,9 +5,10 @@ Slow, and so never on the hot path: for stills every time, in the service by a p
 
 import numpy as np
 
-from vision_core.color.prefilter import candidate_test
+from vision_core.color.prefilter import prefilter_from
 from vision_core.native.kernels import box
 from vision_core.objects.ball.reasons import explain_balls
+from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.reasons import Scene, explain_robots
 from vision_core.pipeline.perception import Perception, perceive_picture
@@ -30,10 +31,8 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     light = (perception.lighting.light.reason,) if perception.lighting.light.reason else ()
     overflow = () if seen.complete else (OVERFLOW,)
     robots = explain_robots(scene_of(perception), settings)
-    blobs, count = perception.blobs, perception.blob_count
-    balls = explain_balls(
-        blobs, count, pixels, eyes.classes, eyes.camera, table.robots, len(seen.robots), eyes.balls, settings.ball.color
-    )
+    observation = Observation(perception.blobs, perception.blob_count, pixels, eyes.classes, eyes.camera)
+    balls = explain_balls(observation, table.robots, len(seen.robots), eyes.balls, settings.ball.color)
     conflicts = () if seen.robots and seen.balls else disputes(perception)
     lines = line_reasons(perception.raw, settings.field, camera.model)
     return (*light, *overflow, *robots, *balls, *conflicts, *lines)
@@ -46,7 +45,7 @@ def scene_of(perception: Perception) -> Scene:
     """
     every = perception.eyes._replace(
         searched=perception.table.classes,
-        candidates=candidate_test(perception.table),
+        prefilter=prefilter_from(perception.table),
         watch=np.zeros_like(perception.eyes.watch),
     )
     blobs, seen = np.zeros_like(perception.blobs), SightingsTable()
@@ -56,7 +55,8 @@ def scene_of(perception: Perception) -> Scene:
         return count, seen.robots[: seen.counts[0]].copy()
 
     count, _ = look(every.robots)
-    return Scene(blobs[:count], perception.pixels, perception.table, every.camera, lambda finder: look(finder)[1])
+    observation = Observation(blobs[:count], count, perception.pixels, every.classes, every.camera)
+    return Scene(observation, perception.table, lambda finder: look(finder)[1])
 
 
 def disputes(perception: Perception) -> tuple[str, ...]:

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from vision_core.blobs.rows import SegmentMemory, least_height_px, segment_memory, segment_picture
+from vision_core.blobs.row_scan import SegmentBuffers, min_height_px, segment_buffers, segment_picture
 from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock
 from vision_core.color.light import Lighting
 from vision_core.color.lookup_table import compile_color_table, keep_classes
-from vision_core.color.prefilter import candidate_test
+from vision_core.color.prefilter import prefilter_from
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_from_field, pixels_per_square_metre
 from vision_core.models.camera_setup import CameraSetup
@@ -22,12 +22,13 @@ from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import Boxed, box, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
+from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.patterns.geometry import width_mm
 from vision_core.patterns.loader import load_pattern
 from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
-from vision_core.types.prefilter import Candidates
+from vision_core.types.prefilter import ColorPrefilter
 from vision_core.types.tables import BLOB, MAX_BALLS, MAX_ROBOTS, TEAMS, SightingsTable, Table
 
 Row: TypeAlias = Any
@@ -49,9 +50,9 @@ class Eyes(NamedTuple):
     """Of the ColorTable, shape (65536,)."""
     searched: Bytes
     """The same without the classes that nobody searches."""
-    candidates: Candidates
+    prefilter: ColorPrefilter
     camera: CameraMap
-    segment: SegmentMemory
+    segment: SegmentBuffers
     robots: RobotFinder
     balls: BallFinder
     heights_m: Floats
@@ -91,12 +92,11 @@ def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, se
 def _find(pixels: Bytes, windows: int, whole: bool, eyes: Eyes, blobs: Table, frame: Row) -> int:
     """Search a frame; how many blobs there are."""
     count, complete = segment_picture(
-        pixels, eyes.searched, eyes.candidates, eyes.windows, windows, whole, eyes.segment, blobs
+        pixels, eyes.searched, eyes.prefilter, eyes.windows, windows, whole, eyes.segment, blobs
     )
-    robots = find_robots(blobs, count, pixels, eyes.classes, eyes.camera, eyes.robots, frame.robots)
-    balls = find_balls(
-        blobs, count, pixels, eyes.classes, eyes.camera, frame.robots, robots, eyes.balls, frame.balls
-    )  # fmt: skip
+    observation = Observation(blobs, count, pixels, eyes.classes, eyes.camera)
+    robots = find_robots(observation, eyes.robots, frame.robots)
+    balls = find_balls(observation, frame.robots, robots, eyes.balls, frame.balls)
     frame.complete, frame.counts[0], frame.counts[1] = complete, robots, balls
     return count
 
@@ -173,13 +173,13 @@ class Perception:
         searched = keep_classes(self.table, {*TEAMS, *worn, settings.ball.color})
         shapes = [robots_of(settings.robots, team) for team in TEAMS]
         radius = settings.ball.radius_m
-        rows_apart = least_height_px(self._smallest_px(), settings.blobs.row_step)
+        rows_apart = min_height_px(self._smallest_px(), settings.blobs.row_step)
         return Eyes(
             classes=self.table.classes,
             searched=searched.classes,
-            candidates=candidate_test(searched),
+            prefilter=prefilter_from(searched),
             camera=camera_map_from(self.camera.model),
-            segment=segment_memory(*self.camera.size_px, settings.blobs, rows_apart),
+            segment=segment_buffers(*self.camera.size_px, settings.blobs, rows_apart),
             robots=robots,
             balls=ball_finder(settings, self.table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),

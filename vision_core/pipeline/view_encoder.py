@@ -15,7 +15,7 @@ from vision_core.geometry import Bytes
 from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import Mirror
 from vision_core.native.kernels import Boxed, box, kernel
-from vision_core.net.batch import Batch
+from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
 from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
 from vision_core.protocol.messages import Init

@@ -4,7 +4,6 @@ As a process this module compiles: its first line of standard input is the setti
 name of a step; it answers with the name when the step is done. The steps are listed in ``startup.compile``.
 """
 
-import random
 import sys
 
 import msgspec
@@ -16,7 +15,7 @@ from vision_core.clock import Instant, ManualClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import compile_for_kernels, field_type, read_only
-from vision_core.net.batch import Batch, Lines
+from vision_core.net.delivery import Batch, DeliveryTable
 from vision_core.objects.ball.finder import find_balls
 from vision_core.objects.robots.finder import find_robots
 from vision_core.pipeline.diagnosis import reasons_of
@@ -58,10 +57,10 @@ def track(settings: Settings) -> WorldTable:
 
 def encode(settings: Settings, world: WorldTable) -> None:
     """Render and encode the views of a world, and send them to no client."""
-    messages, lines = Messages(settings, Instant(0)), Lines(Instant(0), random.Random(0))  # noqa: S311 (of no client)
+    messages, deliveries = Messages(settings, Instant(0)), DeliveryTable(Instant(0))
     messages.write(world, ())
-    lines.due(Instant(1))
-    lines.send(Instant(1), Batch.of(()))
+    deliveries.due(Instant(1))
+    deliveries.send(Instant(1), Batch.of(()))
 
 
 def camera(settings: Settings) -> None:

@@ -13,13 +13,13 @@ IPNetwork = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 @dataclass(frozen=True, slots=True)
 class Admission:
-    """Loopback and a list of networks."""
+    """Admits loopback addresses and the addresses of a list of networks."""
 
     networks: tuple[IPNetwork, ...] = ()
 
     @staticmethod
     def from_subnets(subnets: Iterable[str]) -> "Admission":
-        """Addresses or subnets as written, ``192.168.1.0/24``. Raises SettingsError naming the bad one."""
+        """From addresses or subnets as text, ``192.168.1.0/24``. Raises SettingsError naming the first illegal one."""
         networks = []
         for subnet in subnets:
             try:
@@ -30,7 +30,7 @@ class Admission:
         return Admission(tuple(networks))
 
     def admits(self, host: str) -> bool:
-        """May this address connect? False for what is no address."""
+        """May this address connect? False for text that is not an IP address."""
         address = _address(host)
         if address is None:
             return False

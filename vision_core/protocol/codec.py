@@ -1,8 +1,8 @@
 """Messages <-> datagrams. Decoding gives a message or None, never an exception.
 
-Clients are read tolerantly: any letter case, any white space, a trailing newline or NUL, and three ways
-to write the robot in ``init``. The server writes one canonical form. Server messages are read tolerantly
-too: what follows the parts we know is passed over, as a later version may append.
+Commands of clients are read tolerantly: any letter case, any white space, a trailing newline or NUL, and three ways
+to name the robot in ``init``. The server writes one canonical form. The client reads the server's messages
+tolerantly as well: it skips whatever follows the parts that it knows, since a later version may append something.
 """
 
 import re
@@ -10,35 +10,37 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import (
     MAX_NUMBER,
     US_PER_S,
     Ball,
     Bye,
     Command,
-    Error,
-    Faulty,
+    ErrorReply,
     Init,
     InitReply,
-    Lag,
+    InvalidCommand,
+    LagReport,
+    MirrorQuery,
+    MirrorReply,
     Request,
     See,
     ServerMessage,
-    Warn,
+    WarningReply,
 )
-from vision_core.protocol.options import encode_options, options_from_forms
+from vision_core.protocol.options import encode_mirror, encode_options, mirror_from_words, options_from_forms
 from vision_core.protocol.s_expressions import SPACE, Form, integer, parse_forms, real
 from vision_core.types.objects import Team
 
 MAX_COMMAND = 1024
-"""Longer datagrams of clients are dropped before anything is looked at [bytes]."""
+"""Longer datagrams of clients are dropped without being read [bytes]."""
 MAX_ANSWER = 2048
-"""Longer datagrams of servers are dropped [bytes]; ours have at most 1400."""
+"""Longer datagrams of servers are dropped [bytes]; this server sends at most 1400."""
 MODES = frozenset({"before_kick_off", "play_on", "time_over"})
 """Play modes in a server's answer to ``init``."""
 SERVER_WORDS = frozenset({b"see", b"hear", b"error", b"warning", b"ok", b"challenge", b"pong"})
-"""What begins like this was said by a server and gets no answer."""
+"""First words of a server's messages. A server does not answer them."""
 
 MS_PER_S = 1000
 _TEAMS = {team.value: team for team in Team}
@@ -54,24 +56,28 @@ _NAME = re.compile(r"[a-z_]{1,39}")
 
 
 def decode_commands(datagram: bytes) -> Request | None:
-    """What a client's datagram asks for; None when it deserves no answer."""
+    """The commands of a client's datagram; None when it gets no answer.
+
+    That is so for a datagram that is too long, does not begin with a command, or holds a message of a server: two
+    servers must not answer each other for ever.
+    """
     if len(datagram) > MAX_COMMAND:
         return None
-    body = datagram.strip(SPACE + b"\0") if datagram.endswith(b"\0") else datagram.strip(SPACE)
+    nul = datagram.endswith(b"\0")
+    body = datagram.strip(SPACE + b"\0") if nul else datagram.strip(SPACE)
     head = _HEAD.match(body)
     if head is None or head.group(1).lower() in SERVER_WORDS:
         return None
-    nul = datagram.endswith(b"\0")
     forms = parse_forms(body)
     if forms is None:
-        return Request((Faulty(ErrorName.ILLEGAL_FORM),), nul)
-    if any(len(form) == 4 and form[0] == "init" and form[3] in MODES for form in forms):
+        return Request((InvalidCommand(ErrorCode.ILLEGAL_FORM),), nul)
+    if any(_is_reply(form) for form in forms):
         return None
     return Request(tuple(_command(form) for form in forms), nul)
 
 
 def decode_message(datagram: bytes) -> ServerMessage | None:
-    """What a server says; None for anything that we do not understand."""
+    """The message of a server's datagram; None for anything else."""
     if len(datagram) > MAX_ANSWER:
         return None
     body = datagram.strip(SPACE + b"\0")
@@ -81,34 +87,39 @@ def decode_message(datagram: bytes) -> ServerMessage | None:
     if forms is None or len(forms) != 1:
         return None
     match forms[0]:
-        case ("init", str(team), str(number), str(mode), *_):
-            named, counted = _team(team), _number(number)
-            return InitReply(named, counted, mode) if named and counted and _NAME.fullmatch(mode) else None
+        case ("init", str(team_word), str(number_word), str(mode), *_):
+            team, number = _team(team_word), _number(number_word)
+            return InitReply(team, number, mode) if team and number and _NAME.fullmatch(mode) else None
+        case ("mirror", *words):
+            return _mirror_reply(words)
         case ("error", str(name)) if _NAME.fullmatch(name):
-            return Error(name)
+            return ErrorReply(name)
         case ("warning", str(name)) if _NAME.fullmatch(name):
-            return Warn(name)
+            return WarningReply(name)
     return None
 
 
-def encode(message: Init | Bye | Lag | InitReply | Error | Warn) -> bytes:
+def encode(
+    message: Init | Bye | LagReport | MirrorQuery | InitReply | MirrorReply | ErrorReply | WarningReply,
+) -> bytes:
     """The canonical datagram of a message, without NUL."""
     match message:
         case Init(team, number, options):
-            asked = encode_options(options)
-            return f"(init {team} {number}{' ' if asked else ''}{asked})".encode("ascii")
-        case Bye(None, None):
-            return b"(bye)"
+            return _encode_form("init", str(team), str(number), encode_options(options))
         case Bye(team, number):
-            return f"(bye {team} {number})".encode("ascii")
-        case Lag():
-            return _encode_lag(message).encode("ascii")
+            return _encode_form("bye", *_robot_words(team, number))
+        case LagReport():
+            return _encode_form("lag", *_robot_words(message.team, message.number), *_lag_words(message))
+        case MirrorQuery(team, number):
+            return _encode_form("mirror", *_robot_words(team, number))
+        case MirrorReply(mirror, team, number):
+            return _encode_form("mirror", *_robot_words(team, number), encode_mirror(mirror))
         case InitReply(team, number, mode):
-            return f"(init {team} {number} {mode})".encode("ascii")
-        case Error(name):
-            return f"(error {name})".encode("ascii")
-        case Warn(name):
-            return f"(warning {name})".encode("ascii")
+            return _encode_form("init", str(team), str(number), mode)
+        case ErrorReply(name):
+            return _encode_form("error", name)
+        case WarningReply(name):
+            return _encode_form("warning", name)
 
 
 def encode_see(see: See, time: str = "ms") -> bytes:
@@ -138,11 +149,36 @@ def _time_us(seconds: bytes, decimals: bytes | None) -> int:
     return int(seconds) * US_PER_S + int((decimals or b"").ljust(6, b"0"))
 
 
-def _encode_lag(lag: Lag) -> str:
-    robot = "" if lag.team is None else f"{lag.team} {lag.number} "
+def _encode_form(*words: str) -> bytes:
+    """A form of all words that are not empty."""
+    return f"({' '.join(word for word in words if word)})".encode("ascii")
+
+
+def _robot_words(team: Team | None, number: int | None) -> tuple[str, ...]:
+    return () if team is None else (str(team), str(number))
+
+
+def _lag_words(lag: LagReport) -> tuple[str, ...]:
     seconds, us = divmod(lag.time_us, US_PER_S)
     client = "-" if lag.client_s is None else f"{lag.client_s * MS_PER_S:.3f}"
-    return f"(lag {robot}{seconds}.{us:06d} {lag.hold_s * MS_PER_S:.3f} {client})"
+    return f"{seconds}.{us:06d}", f"{lag.hold_s * MS_PER_S:.3f}", client
+
+
+def _is_reply(form: Form) -> bool:
+    """Is it a server's answer to a command of the same name: ``(init blue 3 play_on)``, ``(mirror 4.0 0.01 9e4)``?"""
+    if len(form) == 4 and form[0] == "init":
+        return form[3] in MODES
+    return len(form) >= 4 and form[0] == "mirror" and real(form[-1]) is not None
+
+
+def _mirror_reply(words: Sequence[str | Form]) -> MirrorReply | None:
+    """The answer to ``(mirror)``; None for constants that are not those of a mirror, or a robot that cannot be."""
+    if words and _team(words[0]) is not None:
+        team, number = _team(words[0]), _number(words[1]) if len(words) > 1 else None
+        mirror = mirror_from_words(words[2:5])
+        return MirrorReply(mirror, team, number) if mirror and number else None
+    mirror = mirror_from_words(words[:3])
+    return MirrorReply(mirror) if mirror else None
 
 
 def _team(word: str | Form) -> Team | None:
@@ -154,62 +190,69 @@ def _number(word: str | Form) -> int | None:
     return number if number is not None and 1 <= number <= MAX_NUMBER else None
 
 
-def _inside(name: str, part: str | Form) -> str | Form:
-    """``blue`` of ``(team blue)``; anything else stays."""
+def _unwrap(name: str, part: str | Form) -> str | Form:
+    """``blue`` from ``(team blue)``; any other part unchanged."""
     return part[1] if isinstance(part, tuple) and len(part) == 2 and part[0] == name else part
 
 
 def _command(form: Form) -> Command:
     if not form or not isinstance(form[0], str):
-        return Faulty(ErrorName.ILLEGAL_FORM)
+        return InvalidCommand(ErrorCode.ILLEGAL_FORM)
     decoder = COMMANDS.get(form[0])
-    return decoder(form[1:]) if decoder else Faulty(ErrorName.UNKNOWN_COMMAND)
+    return decoder(form[1:]) if decoder else InvalidCommand(ErrorCode.UNKNOWN_COMMAND)
 
 
-def _robot(parts: Sequence[str | Form]) -> tuple[Team, int] | Faulty:
-    team = _team(_inside("team", parts[0])) if parts else None
+def _robot(parts: Sequence[str | Form]) -> tuple[Team, int] | InvalidCommand:
+    team = _team(_unwrap("team", parts[0])) if parts else None
     if team is None:
-        return Faulty(ErrorName.ILLEGAL_TEAM)
-    number = _number(_inside("number", parts[1])) if len(parts) > 1 else None
-    return Faulty(ErrorName.ILLEGAL_NUMBER) if number is None else (team, number)
+        return InvalidCommand(ErrorCode.ILLEGAL_TEAM)
+    number = _number(_unwrap("number", parts[1])) if len(parts) > 1 else None
+    return InvalidCommand(ErrorCode.ILLEGAL_NUMBER) if number is None else (team, number)
 
 
 def _init(parts: Sequence[str | Form]) -> Command:
     robot = _robot(parts)
-    if isinstance(robot, Faulty):
+    if isinstance(robot, InvalidCommand):
         return robot
     found = options_from_forms(parts[2:])
-    if isinstance(found, ErrorName):
-        return Faulty(found)
+    if isinstance(found, ErrorCode):
+        return InvalidCommand(found)
     options, unknown = found
     return Init(*robot, options, unknown)
 
 
 def _bye(parts: Sequence[str | Form]) -> Command:
+    robot = _optional_robot(parts)
+    return robot if isinstance(robot, InvalidCommand) else Bye(*robot)
+
+
+def _mirror(parts: Sequence[str | Form]) -> Command:
+    robot = _optional_robot(parts)
+    return robot if isinstance(robot, InvalidCommand) else MirrorQuery(*robot)
+
+
+def _optional_robot(parts: Sequence[str | Form]) -> tuple[Team | None, int | None] | InvalidCommand:
     if not parts:
-        return Bye()
-    if len(parts) != 2:
-        return Faulty(ErrorName.ILLEGAL_FORM)
-    robot = _robot(parts)
-    return robot if isinstance(robot, Faulty) else Bye(*robot)
+        return None, None
+    return _robot(parts) if len(parts) == 2 else InvalidCommand(ErrorCode.ILLEGAL_FORM)
 
 
 def _lag(parts: Sequence[str | Form]) -> Command:
     if len(parts) not in (3, 5):
-        return Faulty(ErrorName.ILLEGAL_FORM)
+        return InvalidCommand(ErrorCode.ILLEGAL_FORM)
     time, hold, client = parts[-3:]
     when = _TIME.fullmatch(time.encode("ascii")) if isinstance(time, str) else None
     hold_ms, client_ms = real(hold), real(client)
     if when is None or hold_ms is None or (client_ms is None and client != "-"):
-        return Faulty(ErrorName.ILLEGAL_FORM)
-    lag = Lag(_time_us(*when.groups()), hold_ms / MS_PER_S, None if client_ms is None else client_ms / MS_PER_S)
+        return InvalidCommand(ErrorCode.ILLEGAL_FORM)
+    lag = LagReport(_time_us(*when.groups()), hold_ms / MS_PER_S, None if client_ms is None else client_ms / MS_PER_S)
     if len(parts) == 3:
         return lag
     robot = _robot(parts)
-    return robot if isinstance(robot, Faulty) else replace(lag, team=robot[0], number=robot[1])
+    return robot if isinstance(robot, InvalidCommand) else replace(lag, team=robot[0], number=robot[1])
 
 
 COMMANDS: Mapping[str, Callable[[Sequence[str | Form]], Command]] = MappingProxyType(
-    {"init": _init, "bye": _bye, "lag": _lag}
+    {"init": _init, "bye": _bye, "lag": _lag, "mirror": _mirror}
 )
-"""Every command of version 1."""
+"""The decoder of each command of version 1."""

@@ -1,10 +1,10 @@
-"""Why a server refuses."""
+"""The errors of ``(error ...)`` messages, and what each means."""
 
 from enum import StrEnum
 
 
-class ErrorName(StrEnum):
-    """Why a server refuses; fixed words, each fits in an ``(error ...)`` of 39 bytes."""
+class ErrorCode(StrEnum):
+    """Why a server refuses a request. Fixed words; each fits into an ``(error ...)`` of 39 bytes."""
 
     ILLEGAL_FORM = "illegal_form"
     UNKNOWN_COMMAND = "unknown_command"
@@ -17,21 +17,26 @@ class ErrorName(StrEnum):
     REPLACED = "replaced"
     SERVER_FULL = "server_full"
     NOT_CONNECTED = "not_connected"
+    NOT_READY = "not_ready"
     RATE_LIMITED = "rate_limited"
 
 
+TRANSIENT = frozenset({ErrorCode.NOT_CONNECTED, ErrorCode.NOT_READY, ErrorCode.RATE_LIMITED})
+"""Errors after which a client repeats its init a second later; all others end the session or the attempt."""
+
 MEANINGS: dict[str, str] = {
-    ErrorName.ILLEGAL_FORM: "brackets or words are not those of a command",
-    ErrorName.UNKNOWN_COMMAND: "the server knows no such command",
-    ErrorName.ILLEGAL_TEAM: "the team is neither blue nor yellow",
-    ErrorName.ILLEGAL_NUMBER: "the match has no robot of this number",
-    ErrorName.ILLEGAL_OPTION: "an option is unknown, given twice or out of its range",
-    ErrorName.ILLEGAL_MIRROR: "A, B, C are no mirror, or one that is of no use on this field",
-    ErrorName.NOT_ADMITTED: "the server does not serve this address (its key admission.subnets)",
-    ErrorName.ALREADY_CONNECTED: "another computer controls this robot",
-    ErrorName.REPLACED: "a newer client took this robot over",
-    ErrorName.SERVER_FULL: "the server has no socket left",
-    ErrorName.NOT_CONNECTED: "there is no such session",
-    ErrorName.RATE_LIMITED: "too many requests at once: try again in a second",
+    ErrorCode.ILLEGAL_FORM: "the parentheses or words are not those of a command",
+    ErrorCode.UNKNOWN_COMMAND: "the server does not know this command",
+    ErrorCode.ILLEGAL_TEAM: "the team is neither blue nor yellow",
+    ErrorCode.ILLEGAL_NUMBER: "the match has no robot of this number",
+    ErrorCode.ILLEGAL_OPTION: "an option is unknown, given twice or out of its range",
+    ErrorCode.ILLEGAL_MIRROR: "A, B, C are not those of a mirror, or the mirror does not suit this field",
+    ErrorCode.NOT_ADMITTED: "the server does not serve this address (its key admission.subnets)",
+    ErrorCode.ALREADY_CONNECTED: "another computer controls this robot",
+    ErrorCode.REPLACED: "a newer client took this robot over",
+    ErrorCode.SERVER_FULL: "the server has no socket left",
+    ErrorCode.NOT_CONNECTED: "there is no such session",
+    ErrorCode.NOT_READY: "the server still prepares: try again in a second",
+    ErrorCode.RATE_LIMITED: "too many requests: try again in a second",
 }
 """What each error means, for people."""

@@ -1,8 +1,10 @@
-"""One session: its state, when it wants a ``see``, and its form as plain data.
+"""One session: its protocol state, and its form as plain data.
 
-A session begins by answering from the session port. A client that cannot hear that port shows it by
-repeating its init, or its machine refuses the first answer: then the session goes over to the port that
-init was sent to. The table holds every transition; what is not in it changes nothing.
+A session begins by answering from the session port. A client that does not receive from that port repeats its init,
+or its computer refuses the first answer; the session then answers from the port that the init was sent to.
+``TRANSITIONS`` holds every transition; a trigger that is not in it changes nothing.
+
+What a session was sent, and when it is due again, is not here but in its row of ``vision_core.net.delivery``.
 """
 
 from collections.abc import Mapping
@@ -11,17 +13,11 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from vision_core.clock import NS_PER_S, Instant, seconds_between
+from vision_core.clock import Instant
 from vision_core.protocol.codec import decode_commands, encode
-from vision_core.protocol.messages import MAX_LAG_S, Init, Lag
-from vision_core.protocol.rate_limits import Allowance
+from vision_core.protocol.messages import Init
+from vision_core.protocol.rate_limits import RateLimiter
 from vision_core.types.objects import Team
-
-NS_PER_TICK = {"ms": 1_000_000, "us": 1_000}
-NS_PER_US = 1_000
-NEVER = Instant(-1)
-REPORT_PERIOD_S = 0.5
-"""A client's reports that come faster than this are passed over."""
 
 
 class Peer(NamedTuple):
@@ -39,55 +35,65 @@ class Port(StrEnum):
     SESSION = "session"
 
 
-class State(StrEnum):
+class SessionState(StrEnum):
+    """Which port a session answers from, and whether its client is known to receive from there."""
+
     TRYING = "trying"
-    """Answers come from the session port; whether the client hears them is not known."""
+    """Answers come from the session port; whether the client receives them is not known."""
     SETTLED = "settled"
-    """The client has spoken to the session port."""
+    """The client has sent something to the session port."""
     SAME_PORT = "same_port"
     """Answers come from the main port."""
     CLOSED = "closed"
 
 
-class Change(StrEnum):
+class SessionTrigger(StrEnum):
+    """What may change a session's state."""
+
     SPOKE = "spoke"
     """A datagram came to the session port."""
     UNHEARD = "unheard"
-    """The same init for the third time, or ``(port same)``."""
+    """The same init came for the third time, or with ``(port same)``."""
     REFUSED_AT_ONCE = "refused_at_once"
-    """The client's machine refuses what we send, right after an init."""
+    """The client's computer reports a closed port, right after an init."""
     REFUSED = "refused"
-    """It refuses later: the client is gone."""
+    """The client's computer reports a closed port later: the client has ended."""
     LEFT = "left"
     """``(bye)``."""
     SILENT = "silent"
-    """Nothing was heard for the lease."""
+    """No datagram of the client came within the lease."""
     REPLACED = "replaced"
     """A newer client has the robot."""
     STOPPED = "stopped"
-    """The operator, the end of the match, or no socket for it."""
+    """The operator ended it, the match ended, or there is no socket for it."""
 
 
-TRANSITIONS: Mapping[tuple[State, Change], State] = MappingProxyType(
+TRANSITIONS: Mapping[tuple[SessionState, SessionTrigger], SessionState] = MappingProxyType(
     {
-        (State.TRYING, Change.SPOKE): State.SETTLED,
-        (State.TRYING, Change.UNHEARD): State.SAME_PORT,
-        (State.SETTLED, Change.UNHEARD): State.SAME_PORT,
-        (State.TRYING, Change.REFUSED_AT_ONCE): State.SAME_PORT,
-        (State.SETTLED, Change.REFUSED_AT_ONCE): State.CLOSED,
-        (State.SAME_PORT, Change.REFUSED_AT_ONCE): State.CLOSED,
+        (SessionState.TRYING, SessionTrigger.SPOKE): SessionState.SETTLED,
+        (SessionState.TRYING, SessionTrigger.UNHEARD): SessionState.SAME_PORT,
+        (SessionState.SETTLED, SessionTrigger.UNHEARD): SessionState.SAME_PORT,
+        (SessionState.TRYING, SessionTrigger.REFUSED_AT_ONCE): SessionState.SAME_PORT,
+        (SessionState.SETTLED, SessionTrigger.REFUSED_AT_ONCE): SessionState.CLOSED,
+        (SessionState.SAME_PORT, SessionTrigger.REFUSED_AT_ONCE): SessionState.CLOSED,
     }
     | {
-        (state, change): State.CLOSED
-        for state in (State.TRYING, State.SETTLED, State.SAME_PORT)
-        for change in (Change.REFUSED, Change.LEFT, Change.SILENT, Change.REPLACED, Change.STOPPED)
+        (state, trigger): SessionState.CLOSED
+        for state in (SessionState.TRYING, SessionState.SETTLED, SessionState.SAME_PORT)
+        for trigger in (
+            SessionTrigger.REFUSED,
+            SessionTrigger.LEFT,
+            SessionTrigger.SILENT,
+            SessionTrigger.REPLACED,
+            SessionTrigger.STOPPED,
+        )
     }
 )
 
 
 @dataclass(slots=True, eq=False)
 class Session:
-    """A client's hold on one robot. Changed by ``Sessions`` alone; others read."""
+    """The protocol state of one client's control of one robot. Only ``Sessions`` changes it."""
 
     init: Init
     nul: bool
@@ -96,78 +102,41 @@ class Session:
     local: str
     """Our address that the init came to."""
     opened: Instant
-    boot: Instant
-    state: State
+    state: SessionState
     heard: Instant
     """Last datagram of the client."""
     inited: Instant
     """Last init."""
     inits: int = 1
-    """The same init in a row, with nothing else heard in between."""
-    served: Instant = NEVER
-    """Grab of the last view that was sent."""
-    served_at: Instant = NEVER
-    """When it was sent; NEVER also for one that an earlier process sent."""
-    due: Instant = NEVER
-    """With a rate: the next view's place on its grid."""
-    network_s: float | None = None
-    """Lag of the network, one way: half the round trip of the last view and the report on it."""
-    client_s: float | None = None
-    """Lag of the client, as it reports it."""
-    reported: Instant = NEVER
-    """Last report of the client."""
-    allowance: Allowance = field(default_factory=Allowance)
+    """Equal inits in a row, with no other datagram in between."""
+    limiter: RateLimiter = field(default_factory=RateLimiter)
 
     @property
     def team(self) -> Team:
+        """Team of the robot."""
         return self.init.team
 
     @property
     def number(self) -> int:
+        """Number of the robot."""
         return self.init.number
 
     @property
     def port(self) -> Port:
-        """Where its views come from."""
-        return Port.MAIN if self.state is State.SAME_PORT else Port.SESSION
+        """The port that its messages come from."""
+        return Port.MAIN if self.state is SessionState.SAME_PORT else Port.SESSION
 
-    def wants(self, at: Instant) -> bool:
-        """Should it get a view grabbed at an instant? Its Time must grow as printed, and its rate hold."""
-        tick_ns = NS_PER_TICK[self.init.options.time]
-        if self.served != NEVER and (at - self.boot) // tick_ns <= (self.served - self.boot) // tick_ns:
-            return False
-        rate_hz = self.init.options.rate_hz
-        return rate_hz is None or at >= self.due - NS_PER_S // (2 * rate_hz)
-
-    def note_report(self, lag: Lag, now: Instant) -> None:
-        """A client's report on the last view that was sent; one that is late, absurd or too early changes nothing."""
-        tick_ns = NS_PER_TICK[self.init.options.time]
-        printed_us = (self.served - self.boot) // tick_ns * tick_ns // NS_PER_US
-        if self.served_at == NEVER or lag.time_us != printed_us:
-            return
-        if not all(0.0 <= share_s <= MAX_LAG_S for share_s in (lag.hold_s, lag.client_s or 0.0)):
-            return
-        if self.reported != NEVER and seconds_between(self.reported, now) < REPORT_PERIOD_S:
-            return
-        self.network_s = max(seconds_between(self.served_at, now) - lag.hold_s, 0.0) / 2.0
-        self.client_s, self.reported = lag.client_s, now
-
-    def note_served(self, at: Instant) -> None:
-        """A view grabbed at an instant was sent."""
-        self.served = at
-        if rate_hz := self.init.options.rate_hz:
-            self.due = Instant(max(self.due, at) + NS_PER_S // rate_hz)
-
-    def step(self, change: Change) -> bool:
-        """Follow the table; did the state change?"""
-        after = TRANSITIONS.get((self.state, change), self.state)
+    def step(self, trigger: SessionTrigger) -> bool:
+        """Follow the table of transitions; did the state change?"""
+        after = TRANSITIONS.get((self.state, trigger), self.state)
         changed, self.state = after is not self.state, after
         return changed
 
     def to_plain(self) -> dict[str, Any]:
-        """Everything that a restarted server needs, as JSON types."""
+        """Everything that a restarted server needs, as JSON types. Rate limits begin anew there."""
         return {
             "init": encode(self.init).decode("ascii"),
+            "unknown_options": self.init.unknown_options,
             "nul": self.nul,
             "peer": list(self.peer),
             "local": self.local,
@@ -176,28 +145,23 @@ class Session:
             "heard": self.heard,
             "inited": self.inited,
             "inits": self.inits,
-            "served": self.served,
-            "due": self.due,
         }
 
     @staticmethod
-    def from_plain(plain: Mapping[str, Any], boot: Instant) -> "Session":
+    def from_plain(plain: Mapping[str, Any]) -> "Session":
         """The inverse. Raises KeyError, TypeError or ValueError for anything else."""
         request = decode_commands(plain["init"].encode("ascii"))
-        if request is None or not isinstance(request.commands[0], Init):
-            raise ValueError(f"no init: {plain['init']!r}")
+        if request is None or not isinstance(init := request.commands[0], Init):
+            raise ValueError(f"init of a session: {plain['init']!r}")
         host, port, scope = plain["peer"]
         return Session(
-            request.commands[0],
+            Init(init.team, init.number, init.options, bool(plain["unknown_options"])),
             bool(plain["nul"]),
             Peer(str(host), int(port), int(scope)),
             str(plain["local"]),
             opened=Instant(plain["opened"]),
-            boot=boot,
-            state=State(plain["state"]),
+            state=SessionState(plain["state"]),
             heard=Instant(plain["heard"]),
             inited=Instant(plain["inited"]),
             inits=int(plain["inits"]),
-            served=Instant(plain["served"]),
-            due=Instant(plain["due"]),
         )

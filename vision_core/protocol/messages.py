@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from vision_core.protocol.error_codes import ErrorName
+from vision_core.models.mirror import Mirror
+from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
 
@@ -11,9 +12,11 @@ US_PER_S = 1_000_000
 MAX_NUMBER = 16
 """Robots per team that the letters of ``(types number)`` can tell apart."""
 MAX_LAG_S = 10.0
-"""A client's report of more than this is no lag but a mistake."""
+"""A report of a longer lag is taken for a mistake of the client."""
+REPORT_PERIOD_S = 0.5
+"""A client's lag reports that come faster than this are ignored."""
 NOTHING_PX = 0xFF
-"""An edge of ``ff`` pixels: nothing within range."""
+"""Distance of an edge, two characters ``ff``: nothing within range [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,48 +27,56 @@ class Init:
     number: int
     options: Options = PAPER_OPTIONS
     unknown_options: bool = False
-    """A client of a higher version asked for something that we do not know."""
+    """A client of a higher version asked for options that this server does not know."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bye:
-    """``(bye)``, or ``(bye blue 3)`` from a socket that holds several robots."""
+    """``(bye)``, or ``(bye blue 3)`` from a socket that has several robots: a client ends its session."""
 
     team: Team | None = None
     number: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Lag:
+class LagReport:
     """``(lag Time Hold Client)``, or ``(lag blue 3 Time Hold Client)``: a client reports its share of the lag."""
 
     time_us: int
     """Time of the newest ``see``."""
     hold_s: float
-    """How long after its arrival this report was sent."""
+    """From the arrival of that ``see`` to the sending of this report."""
     client_s: float | None
-    """From a view's arrival to when the client's program had used it; None: not known."""
+    """From the arrival of a view until the client's program has used it; None: not known."""
     team: Team | None = None
     number: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Faulty:
-    """A command that deserves an error."""
+class MirrorQuery:
+    """``(mirror)``, or ``(mirror blue 3)`` from a socket that has several robots: which mirror has the session?"""
 
-    error: ErrorName
+    team: Team | None = None
+    number: int | None = None
 
 
-Command: TypeAlias = Init | Bye | Lag | Faulty
+@dataclass(frozen=True, slots=True)
+class InvalidCommand:
+    """A command that is answered with an error."""
+
+    error: ErrorCode
+
+
+Command: TypeAlias = Init | Bye | LagReport | MirrorQuery | InvalidCommand
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """One datagram of a client."""
+    """The commands of one datagram of a client."""
 
     commands: tuple[Command, ...]
     nul: bool
-    """It ended with NUL, so answers do."""
+    """The datagram ended with NUL; the answers shall as well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,14 +89,23 @@ class InitReply:
 
 
 @dataclass(frozen=True, slots=True)
-class Error:
+class MirrorReply:
+    """``(mirror A B C)``: the constants of equation 1 for a session; names the robot if the query did."""
+
+    mirror: Mirror
+    team: Team | None = None
+    number: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorReply:
     """``(error not_admitted)``. A client keeps names that it does not know."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class Warn:
+class WarningReply:
     """``(warning unknown_option)``."""
 
     name: str
@@ -101,6 +121,7 @@ class Ball:
 
     @property
     def hidden(self) -> bool:
+        """No part of the ball is visible."""
         return self.px < 0
 
 
@@ -112,14 +133,15 @@ class See:
     """``(see Time ((edge) EdgeString) ((ball) Distance Direction Size))``."""
 
     time_us: int
-    """Grab of the image, since the server's start."""
+    """When the image was grabbed, since the server's start."""
     edges: bytes
     """Three characters per direction: the type and two hexadecimal digits."""
     ball: Ball
 
     @property
     def time_s(self) -> float:
+        """The same in seconds."""
         return self.time_us / US_PER_S
 
 
-ServerMessage: TypeAlias = InitReply | See | Error | Warn
+ServerMessage: TypeAlias = InitReply | MirrorReply | See | ErrorReply | WarningReply

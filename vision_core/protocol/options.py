@@ -1,6 +1,6 @@
-"""What a client may ask for in its ``(init ...)``, each with its rule.
+"""The options of ``(init ...)``, and the parser of each.
 
-Option names and words are those of the wire. An illegal option opens no session.
+Option names and words are those of the wire. An init with an illegal option opens no session.
 """
 
 import math
@@ -15,32 +15,32 @@ from numpy.typing import NDArray
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats, frozen
 from vision_core.models.mirror import Mirror
-from vision_core.protocol.error_codes import ErrorName
+from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.s_expressions import Form, integer, real
 
 HIGHEST_VERSION = 1
-"""A client that asks for more is answered with this."""
+"""The server answers clients of a higher version as if they had asked for this one."""
 MAX_DATAGRAM = 1400
-"""Of the server [bytes]: fits an Ethernet frame with every header in use."""
-SEE_FRAME = len("(see 9999999999.999999 ((edge) ) ((ball) 254 359 360))\0")
-"""What a ``see`` is long beside its edges, at most."""
-MAX_DIRECTIONS = (MAX_DATAGRAM - SEE_FRAME) // 3
+"""Longest datagram of the server [bytes]: fits into an Ethernet frame with every header in use."""
+SEE_OVERHEAD = len("(see 9999999999.999999 ((edge) ) ((ball) 254 359 360))\0")
+"""Greatest length of a ``see`` without its edges [bytes]."""
+MAX_DIRECTIONS = (MAX_DATAGRAM - SEE_OVERHEAD) // 3
 TICKS_PER_DEG = 4
 """Directions lie on a grid of a quarter of a degree."""
-FASTEST_HZ = 1000
-_TYPICAL = 1e9
-"""Constants of a mirror beyond this, or below its inverse, are no mirror of this world."""
+MAX_RATE_HZ = 1000
+_MAX_CONSTANT = 1e9
+"""A mirror with a constant above this, or below its inverse, is refused."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How a client wants to see. The defaults are the paper's."""
+    """What a client asks for. The defaults are the paper's."""
 
     version: int = 1
     types: str = "same"
-    """same | team | number: how much an edge type tells of a robot."""
+    """same | team | number: whether an edge type names a robot's team and number."""
     mirror: Mirror | None = None
-    """None: the field's."""
+    """None: the mirror of the server's field."""
     fov_deg: float = 360.0
     center_deg: float = 180.0
     resolution_deg: float = 1.0
@@ -51,18 +51,18 @@ class Options:
     size: str = "full"
     """full | half: the ball's whole azimuth, or half of it."""
     sense: str = "ccw"
-    """ccw | cw: where directions grow to."""
+    """ccw | cw: directions grow anticlockwise or clockwise."""
     port_same: bool = False
     """Views come from the port that init was sent to."""
 
     @property
     def directions(self) -> int:
-        """Number of directions: floor(width / resolution)."""
+        """Number of directions: floor(field of view / resolution)."""
         return math.floor(self.fov_deg / self.resolution_deg)
 
     @property
     def first_deg(self) -> float:
-        """Direction 0, in the client's sense."""
+        """Direction of edge 0 [deg], in the client's sense."""
         return self.center_deg - self.fov_deg / 2.0
 
     @property
@@ -77,51 +77,51 @@ class Options:
 
 PAPER_OPTIONS = Options()
 
-Rule = Callable[[Options, Sequence[str | Form]], Options | None]
+OptionParser = Callable[[Options, Sequence[str | Form]], Options | None]
 
 
-def options_from_forms(forms: Sequence[str | Form]) -> tuple[Options, bool] | ErrorName:
-    """Options of an init, and whether some were unknown to us; or why they are refused.
+def options_from_forms(forms: Sequence[str | Form]) -> tuple[Options, bool] | ErrorCode:
+    """The options of an init, and whether some are unknown; or the error that refuses them.
 
-    Unknown ones are passed over for clients of a version above ours alone.
+    Unknown options are ignored if the client's version is higher than the server's, and refused otherwise.
     """
     options, unknown, seen = Options(), False, set()
     for form in forms:
         if not isinstance(form, tuple) or not form or not isinstance(form[0], str) or form[0] in seen:
-            return ErrorName.ILLEGAL_OPTION
+            return ErrorCode.ILLEGAL_OPTION
         seen.add(form[0])
-        rule = RULES.get(form[0])
-        if rule is None:
+        parser = OPTION_PARSERS.get(form[0])
+        if parser is None:
             unknown = True
             continue
-        changed = rule(options, form[1:])
+        changed = parser(options, form[1:])
         if changed is None:
-            return ErrorName.ILLEGAL_MIRROR if form[0] == "mirror" else ErrorName.ILLEGAL_OPTION
+            return ErrorCode.ILLEGAL_MIRROR if form[0] == "mirror" else ErrorCode.ILLEGAL_OPTION
         options = changed
     if (unknown and options.version <= HIGHEST_VERSION) or not _fits(options):
-        return ErrorName.ILLEGAL_OPTION
+        return ErrorCode.ILLEGAL_OPTION
     return options, unknown
 
 
 def mirror_from_words(words: Sequence[str | Form]) -> Mirror | None:
-    """A B C of ``(mirror A B C)``; None when they are no mirror."""
+    """The mirror of the words A B C; None when there is no such mirror."""
     numbers = [number for word in words if (number := real(word)) is not None]
     if len(numbers) != 3 or len(words) != 3:
         return None
-    a, b, c = numbers
-    if not (1.0 / _TYPICAL < a < _TYPICAL and 1.0 / _TYPICAL < b < _TYPICAL and 1.0 / _TYPICAL < c < _TYPICAL):
+    if not all(1.0 / _MAX_CONSTANT < number < _MAX_CONSTANT for number in numbers):
         return None
     try:
-        return Mirror(a, b, c)
+        return Mirror(*numbers)
     except SettingsError:
         return None
 
 
 @lru_cache(maxsize=64)
 def ray_indices(options: Options, rays: int) -> NDArray[np.intp] | None:
-    """Which of a view's evenly spaced rays (anticlockwise, ray 0 ahead) the directions are; None: all, in order.
+    """Indices of the rays that the directions are, shape (directions,); None: all rays, in order.
 
-    Raises ValueError when the view has no such rays.
+    rays: number of a view's evenly spaced rays, anticlockwise, ray 0 ahead. Raises ValueError when a direction lies
+    between two rays.
     """
     if rays % options.rays_per_circle:
         raise ValueError(f"directions every {options.resolution_deg:g} deg from a view of {rays} rays")
@@ -137,9 +137,14 @@ def ray_indices(options: Options, rays: int) -> NDArray[np.intp] | None:
 
 @lru_cache(maxsize=64)
 def directions_deg(options: Options, count: int) -> Floats:
-    """The first directions in the client's sense, 0 <= d < 360 [deg], shape (count,)."""
+    """The first ``count`` directions in the client's sense, 0 <= d < 360 [deg], shape (count,)."""
     steps = np.arange(count, dtype=np.float64)
     return frozen(np.mod(options.first_deg + options.resolution_deg * steps, 360.0))
+
+
+def encode_mirror(mirror: Mirror) -> str:
+    """The words A B C; ``mirror_from_words`` gives exactly the same numbers."""
+    return f"{mirror.a!r} {mirror.b!r} {mirror.c!r}"
 
 
 def encode_options(options: Options) -> str:
@@ -148,7 +153,7 @@ def encode_options(options: Options) -> str:
     if options.version != default.version:
         words.append(f"(version {options.version})")
     if options.mirror is not None:
-        words.append(f"(mirror {options.mirror.a!r} {options.mirror.b!r} {options.mirror.c!r})")
+        words.append(f"(mirror {encode_mirror(options.mirror)})")
     if (options.fov_deg, options.center_deg) != (default.fov_deg, default.center_deg):
         words.append(f"(fov {options.fov_deg!r} {options.center_deg!r})")
     if options.resolution_deg != default.resolution_deg:
@@ -184,7 +189,7 @@ def _version(options: Options, words: Sequence[str | Form]) -> Options | None:
 
 def _rate(options: Options, words: Sequence[str | Form]) -> Options | None:
     rate_hz = integer(words[0]) if len(words) == 1 else None
-    return replace(options, rate_hz=rate_hz) if rate_hz is not None and 1 <= rate_hz <= FASTEST_HZ else None
+    return replace(options, rate_hz=rate_hz) if rate_hz is not None and 1 <= rate_hz <= MAX_RATE_HZ else None
 
 
 def _mirror(options: Options, words: Sequence[str | Form]) -> Options | None:
@@ -212,16 +217,16 @@ def _port(options: Options, words: Sequence[str | Form]) -> Options | None:
     return replace(options, port_same=True) if tuple(words) == ("same",) else None
 
 
-def _one_of(name: str, *accepted: str) -> Rule:
-    def rule(options: Options, words: Sequence[str | Form]) -> Options | None:
+def _one_of(name: str, *accepted: str) -> OptionParser:
+    def parser(options: Options, words: Sequence[str | Form]) -> Options | None:
         if len(words) != 1 or words[0] not in accepted:
             return None
         return replace(options, **{name: words[0]})  # type: ignore[arg-type]
 
-    return rule
+    return parser
 
 
-RULES: Mapping[str, Rule] = MappingProxyType(
+OPTION_PARSERS: Mapping[str, OptionParser] = MappingProxyType(
     {
         "version": _version,
         "types": _one_of("types", "same", "team", "number"),
@@ -235,4 +240,4 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         "port": _port,
     }
 )
-"""Every option: how its words change the options; None when they are illegal."""
+"""The parser of each option: gives the options changed by its words, or None when the words are illegal."""

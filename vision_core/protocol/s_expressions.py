@@ -1,13 +1,13 @@
-"""Brackets and words: text -> nested tuples of words, iteratively, with bounded depth and number."""
+"""S-expressions: text -> nested tuples of words, without recursion, with bounded depth and number of forms."""
 
 import re
 from typing import TypeAlias, Union
 
 SPACE = b" \t\r\n\v\f"
-DEEPEST = 3
-"""``(a (b (c)))``: no command nests deeper."""
+MAX_DEPTH = 3
+"""Of nested forms, as in ``(a (b (c)))``."""
 MAX_FORMS = 16
-"""One datagram may hold a form per robot of a team."""
+"""In one datagram: a form for each robot of a team."""
 
 Form: TypeAlias = tuple[Union[str, "Form"], ...]
 
@@ -18,7 +18,7 @@ _REAL = re.compile(r"[+-]?(?:[0-9]{1,20}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})(?:[eE]
 
 
 def parse_forms(body: bytes) -> tuple[Form, ...] | None:
-    """The forms that a datagram holds, 1 to 16, in lower case; None when they are malformed."""
+    """The 1 to 16 forms of a datagram, in lower case; None when there is a mistake in them."""
     if not _LEGAL.fullmatch(body):
         return None
     done: list[Form] = []
@@ -26,7 +26,7 @@ def parse_forms(body: bytes) -> tuple[Form, ...] | None:
     for match in _TOKENS.finditer(body.decode("ascii").lower()):
         word = match.group()
         if word == "(":
-            if len(open_forms) == DEEPEST or len(done) == MAX_FORMS:
+            if len(open_forms) == MAX_DEPTH or len(done) == MAX_FORMS:
                 return None
             open_forms.append([])
         elif not open_forms:
@@ -40,10 +40,10 @@ def parse_forms(body: bytes) -> tuple[Form, ...] | None:
 
 
 def integer(word: "str | Form") -> int | None:
-    """A decimal integer as people write it: no sign +, no leading zero; None for anything else."""
+    """The value of a decimal integer without a sign + or leading zeros; None for anything else."""
     return int(word) if isinstance(word, str) and _INTEGER.fullmatch(word) else None
 
 
 def real(word: "str | Form") -> float | None:
-    """A decimal number; None for anything else (nan, inf, 1_000)."""
+    """The value of a decimal number; None for anything else, as nan, inf, 1_000."""
     return float(word) if isinstance(word, str) and _REAL.fullmatch(word) else None

@@ -1,8 +1,8 @@
 """All sessions of a server: datagrams and instants in, replies and events out.
 
-Whoever owns the sockets feeds ``receive`` with every datagram, its sender and the port it came to,
-``refused`` when a client's machine answered that nobody listens, and ``expire`` now and then. It carries
-out the events in order: opens, moves and closes the sockets of sessions, and sends the replies.
+The owner of the sockets (``vision_core.net.server``) calls ``receive`` for every datagram, ``refused`` when a client's
+computer reports a closed port, and ``expire`` once a second or so. It applies the events in order: it opens, moves and
+closes the sockets of sessions, and sends the replies.
 """
 
 import json
@@ -12,32 +12,59 @@ from typing import TypeAlias
 
 from vision_core.clock import Instant, seconds_between
 from vision_core.errors import SettingsError
-from vision_core.models.mirror import check_span
+from vision_core.models.mirror import Mirror, check_span
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.codec import MAX_COMMAND, decode_commands, encode
-from vision_core.protocol.error_codes import ErrorName
-from vision_core.protocol.lifecycle import Change, Peer, Port, Session, State
-from vision_core.protocol.messages import Bye, Command, Error, Faulty, Init, InitReply, Lag, Warn
-from vision_core.protocol.rate_limits import Allowance, Sources, TokenBucket
+from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.lifecycle import Peer, Port, Session, SessionState, SessionTrigger
+from vision_core.protocol.messages import (
+    Bye,
+    Command,
+    ErrorReply,
+    Init,
+    InitReply,
+    InvalidCommand,
+    LagReport,
+    MirrorQuery,
+    MirrorReply,
+    Request,
+    WarningReply,
+)
+from vision_core.protocol.rate_limits import (
+    AMPLIFICATION,
+    DATAGRAM,
+    INVALID,
+    Rate,
+    RateLimiter,
+    RateLimiterTable,
+    SharedBudget,
+    TokenBucket,
+)
 from vision_core.types.objects import Team
 
-INITS_PER_S = 50.0
-INIT_BURST = 50
+ALL_DATAGRAMS_RATE = Rate(400.0, 400)
+"""Datagrams of all admitted addresses that have no session."""
+ALL_INITS_RATE = Rate(100.0, 100)
+"""Inits of all addresses; a session that repeats its init is not counted."""
+STRANGER_RATE = Rate(50.0, 50)
+"""Datagrams of addresses that are not admitted: as many are read, the others are dropped unread."""
 UNHEARD_INITS = 3
+"""After so many equal inits the client is taken not to receive from the session port."""
 REPEAT_S = 10.0
-"""The same init within so long of the last one is a repetition."""
+"""An equal init that comes so soon after the last one is a repetition."""
 AT_ONCE_S = 2.0
-"""A refusal within so long of an init means that the client cannot hear the port; later, that it is gone."""
-AMPLIFICATION = 3
-"""No reply to an address that is not admitted is longer than so many times its request."""
-OFTEN = frozenset({ErrorName.ILLEGAL_FORM, ErrorName.UNKNOWN_COMMAND, ErrorName.NOT_CONNECTED, ErrorName.RATE_LIMITED})
-"""Errors that one source hears once in 5 s; it hears precisely, each time, what is wrong with its init."""
-SNAPSHOT = 1
+"""A closed port reported so soon after an init: the client does not receive from this port. Later: it has ended."""
+LIMITED_ERRORS = frozenset(
+    {ErrorCode.ILLEGAL_FORM, ErrorCode.UNKNOWN_COMMAND, ErrorCode.NOT_CONNECTED, ErrorCode.RATE_LIMITED}
+)
+"""Errors that one sender is told at most once in 5 s. The others, about an init, it is told each time."""
+SNAPSHOT = 2
+"""Version of the form of a snapshot."""
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
-    """Where a datagram came to."""
+class Endpoint:
+    """Where a datagram arrived, and where its answer is sent from."""
 
     port: Port
     local: str
@@ -46,16 +73,18 @@ class Arrival:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """Send this: through the session's socket, or, where there is none, from where the request came to."""
+    """Send this through the session's socket; without a session, from where the request arrived."""
 
     data: bytes
     to: Peer
-    via: Arrival
+    via: Endpoint
     session: Session | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class SessionOpened:
+    """There is a new session."""
+
     session: Session
 
 
@@ -67,59 +96,84 @@ class SessionMoved:
 
 
 @dataclass(frozen=True, slots=True)
-class SessionClosed:
+class SessionChanged:
+    """The client has asked for other options, or another end of its messages."""
+
     session: Session
-    reason: Change
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
-    """Somebody was refused: for the operator's eyes."""
+class SessionClosed:
+    """The session has ended."""
+
+    session: Session
+    reason: SessionTrigger
+
+
+@dataclass(frozen=True, slots=True)
+class LagReported:
+    """A client has reported its share of the lag."""
+
+    session: Session
+    report: LagReport
+    at: Instant
+
+
+@dataclass(frozen=True, slots=True)
+class RequestRefused:
+    """A request was refused; the operator is shown it."""
 
     peer: Peer
-    error: ErrorName
+    error: ErrorCode
 
 
-Event: TypeAlias = Reply | SessionOpened | SessionMoved | SessionClosed | Refused
+Event: TypeAlias = Reply | SessionOpened | SessionMoved | SessionChanged | SessionClosed | LagReported | RequestRefused
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
-    """What a server fixes."""
+class SessionRules:
+    """What a server prescribes."""
 
     boot: Instant
     """Where Time is 0."""
     numbers: int
     """Robots per team that may connect."""
     lease_s: float
+    """A session ends when its client has sent nothing for so long."""
     diagonal_m: float
-    """Of the field: a client's mirror must be of use on it."""
+    """Of the field: a client's mirror must reach so far."""
+    mirror: Mirror
+    """Of the field: for clients that ask for no other."""
     admission: Admission
 
 
 @dataclass(slots=True)
-class Counts:
+class DatagramCounts:
     """Datagrams since the start."""
 
     received: int = 0
     ignored: int = 0
-    """Too long, no command, or said by a server."""
+    """Too long, without a command, or a message of a server."""
     limited: int = 0
-    """Over the sender's allowance."""
+    """Over a rate limit, and dropped unread."""
     turned_away: int = 0
-    """Not admitted."""
+    """From addresses that are not admitted."""
 
 
 class Sessions:
     """The server's side of the protocol, without sockets."""
 
-    def __init__(self, rules: Rules) -> None:
+    def __init__(self, rules: SessionRules) -> None:
         self.rules = rules
         self.mode = "play_on"
-        self.counts = Counts()
+        """Play mode in answers to init."""
+        self.counts = DatagramCounts()
         self._by_robot: dict[tuple[Team, int], Session] = {}
-        self._sources = Sources()
-        self._inits = TokenBucket(INITS_PER_S, INIT_BURST)
+        self._limiters = RateLimiterTable()
+        self._stranger_limiters = RateLimiterTable()  # a table of its own: strangers cannot push others out of theirs
+        self._datagrams = SharedBudget("datagrams", ALL_DATAGRAMS_RATE)
+        self._inits = SharedBudget("inits", ALL_INITS_RATE)
+        self._strangers = TokenBucket(STRANGER_RATE)
 
     def __iter__(self) -> Iterator[Session]:
         return iter(tuple(self._by_robot.values()))
@@ -127,174 +181,216 @@ class Sessions:
     def __len__(self) -> int:
         return len(self._by_robot)
 
-    def receive(self, datagram: bytes, peer: Peer, arrival: Arrival, now: Instant) -> list[Event]:
-        """What a datagram leads to."""
+    def receive(self, datagram: bytes, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event]:
+        """The events that follow from a datagram."""
         self.counts.received += 1
-        owned = [session for session in self if session.peer == peer]
         if len(datagram) > MAX_COMMAND:
             self.counts.ignored += 1
             return []
-        allowance = owned[0].allowance if owned else self._sources.of(peer.host)
-        if not allowance.bucket.take(now):
+        owned = self._owned_by(peer)
+        if not owned and not self.rules.admission.admits(peer.host):
+            return self._turn_away(datagram, peer, endpoint, now)
+        limiter = owned[0].limiter if owned else self._limiters.of(peer.host)
+        if not (limiter.take(DATAGRAM, now) and (owned or self._datagrams.take(limiter, now))):
             self.counts.limited += 1
             return []
         request = decode_commands(datagram)
         if request is None:
             self.counts.ignored += 1
             return []
-        if not owned and not self.rules.admission.admits(peer.host):
-            return self._turn_away(len(datagram), request.nul, peer, arrival, allowance, now)
         for session in owned:
             session.heard = now
-            if arrival.port is Port.SESSION:
+            if endpoint.port is Port.SESSION:
                 session.inits = 0
-                session.step(Change.SPOKE)
-        events: list[Event] = []
-        for command in request.commands:
-            outcome = self._obey(command, request.nul, peer, arrival, now)
-            if isinstance(outcome, ErrorName):
-                if outcome not in OFTEN or allowance.may_complain(outcome, now):
-                    events += [_error(outcome, request.nul, peer, arrival), Refused(peer, outcome)]
-                break
-            events += outcome
-        return events
+                session.step(SessionTrigger.SPOKE)
+        return self._dispatch_all(request, limiter, peer, endpoint, now)
 
     def refused(self, session: Session, now: Instant) -> list[Event]:
-        """A client's machine says that nobody listens where this session sends to."""
+        """The computer of a session's client reports that the port is closed."""
         at_once = seconds_between(session.inited, now) <= AT_ONCE_S
-        return self._step(session, Change.REFUSED_AT_ONCE if at_once else Change.REFUSED)
+        return self._step(session, SessionTrigger.REFUSED_AT_ONCE if at_once else SessionTrigger.REFUSED)
 
-    def close(self, session: Session, reason: Change = Change.STOPPED) -> list[Event]:
+    def close(self, session: Session, reason: SessionTrigger = SessionTrigger.STOPPED) -> list[Event]:
         """End a session."""
         return self._step(session, reason)
 
     def not_opened(self, session: Session) -> list[Event]:
-        """There is no socket for a session: tell its client, and forget it."""
-        full = _error(ErrorName.SERVER_FULL, session.nul, session.peer, Arrival(Port.MAIN, session.local))
-        return [*self.close(session), full, Refused(session.peer, ErrorName.SERVER_FULL)]
+        """There is no socket for a session: end it and tell its client."""
+        full = _error(ErrorCode.SERVER_FULL, session.nul, session.peer, Endpoint(Port.MAIN, session.local))
+        return [*self.close(session), full, RequestRefused(session.peer, ErrorCode.SERVER_FULL)]
 
     def expire(self, now: Instant) -> list[Event]:
-        """End the sessions whose client was silent for the lease."""
+        """End the sessions whose client has sent nothing for the lease."""
         events: list[Event] = []
         for session in self:
             if seconds_between(session.heard, now) > self.rules.lease_s:
-                events += self._step(session, Change.SILENT)
+                events += self._step(session, SessionTrigger.SILENT)
         return events
 
     def snapshot(self) -> bytes:
-        """All sessions as JSON, for ``restore`` in another process."""
+        """All sessions as JSON in one line, for ``restore`` in another process."""
         sessions = [session.to_plain() for session in self]
         return json.dumps({"snapshot": SNAPSHOT, "boot": self.rules.boot, "sessions": sessions}).encode("ascii")
 
     @staticmethod
-    def restore(rules: Rules, snapshot: bytes) -> "Sessions":
-        """Go on where another process stopped. Raises ValueError unless it is a snapshot of the same boot."""
+    def restore(rules: SessionRules, snapshot: bytes) -> "Sessions":
+        """The sessions of a snapshot. Raises ValueError unless it is one of this version and the same boot."""
         restored = Sessions(rules)
         try:
             plain = json.loads(snapshot)
             if (plain["snapshot"], plain["boot"]) != (SNAPSHOT, rules.boot):
-                raise ValueError(f"a snapshot of format {plain['snapshot']}, boot {plain['boot']}")
+                raise ValueError(f"a snapshot of version {plain['snapshot']}, boot {plain['boot']}")
             for one in plain["sessions"]:
-                session = Session.from_plain(one, rules.boot)
+                session = Session.from_plain(one)
                 restored._by_robot[session.team, session.number] = session
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"not a snapshot of sessions: {error!r}") from None
         return restored
 
-    def _turn_away(
-        self, length: int, nul: bool, peer: Peer, arrival: Arrival, allowance: Allowance, now: Instant
-    ) -> list[Event]:
-        """One short error now and then, and never more than three times what was sent."""
+    def _owned_by(self, peer: Peer) -> list[Session]:
+        """The sessions of a client's socket, one per robot."""
+        return [session for session in self._by_robot.values() if session.peer == peer]
+
+    def _turn_away(self, datagram: bytes, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event]:
+        """The answer to an address that is not admitted: an error at most once in 5 s, or silence."""
         self.counts.turned_away += 1
-        reply = _error(ErrorName.NOT_ADMITTED, nul, peer, arrival)
-        if not allowance.may_complain(ErrorName.NOT_ADMITTED, now):
+        if not self._strangers.take(now):
+            self.counts.limited += 1
             return []
-        told = [reply] if len(reply.data) <= AMPLIFICATION * length else []
-        return [*told, Refused(peer, ErrorName.NOT_ADMITTED)]
+        request = decode_commands(datagram)
+        limiter = self._stranger_limiters.of(peer.host)
+        if request is None or not limiter.may_complain(ErrorCode.NOT_ADMITTED, now):
+            return []
+        reply = _error(ErrorCode.NOT_ADMITTED, request.nul, peer, endpoint)
+        replies = [reply] if len(reply.data) <= AMPLIFICATION * len(datagram) else []
+        return [*replies, RequestRefused(peer, ErrorCode.NOT_ADMITTED)]
 
-    def _obey(self, command: Command, nul: bool, peer: Peer, arrival: Arrival, now: Instant) -> list[Event] | ErrorName:
+    def _dispatch_all(
+        self, request: Request, limiter: RateLimiter, peer: Peer, endpoint: Endpoint, now: Instant
+    ) -> list[Event]:
+        """The events that follow from the commands of a datagram, up to the first that is refused."""
+        events: list[Event] = []
+        for command in request.commands:
+            if limiter.take(_name_of(command), now):
+                result = self._dispatch(command, request.nul, peer, endpoint, now)
+            else:
+                result = ErrorCode.RATE_LIMITED
+            if isinstance(result, ErrorCode):
+                if result not in LIMITED_ERRORS or limiter.may_complain(result, now):
+                    events += [_error(result, request.nul, peer, endpoint), RequestRefused(peer, result)]
+                break
+            events += result
+        return events
+
+    def _dispatch(
+        self, command: Command, nul: bool, peer: Peer, endpoint: Endpoint, now: Instant
+    ) -> list[Event] | ErrorCode:
+        """The events that follow from a command, or why it is refused."""
         match command:
-            case Init():
-                return self._init(command, nul, peer, arrival, now)
-            case Bye() | Lag():
-                session = self._addressed(command, peer)
-                if isinstance(session, ErrorName):
-                    return session
-                if isinstance(command, Bye):
-                    return self._step(session, Change.LEFT)
-                session.note_report(command, now)
-                return []
-            case Faulty(error):
+            case InvalidCommand(error):
                 return error
+            case Init():
+                return self._init(command, nul, peer, endpoint, now)
+        session = self._addressed(command, peer)
+        if isinstance(session, ErrorCode):
+            return session
+        match command:
+            case Bye():
+                return self._step(session, SessionTrigger.LEFT)
+            case LagReport():
+                return [LagReported(session, command, now)]
+            case MirrorQuery(team, number):
+                mirror = session.init.options.mirror or self.rules.mirror
+                return [_reply(MirrorReply(mirror, team, number), session)]
 
-    def _addressed(self, command: Bye | Lag, peer: Peer) -> Session | ErrorName:
-        """Which of a client's sessions a command is about: the one it names, or its only one."""
-        owned = [session for session in self if session.peer == peer]
+    def _addressed(self, command: Bye | LagReport | MirrorQuery, peer: Peer) -> Session | ErrorCode:
+        """The session that a command is about: that of the robot it names, or the only one of the client's socket."""
+        owned = self._owned_by(peer)
         if command.team is not None:
             owned = [session for session in owned if (session.team, session.number) == (command.team, command.number)]
         elif len(owned) > 1:
-            return ErrorName.ILLEGAL_FORM
-        return owned[0] if owned else ErrorName.NOT_CONNECTED
+            return ErrorCode.ILLEGAL_FORM
+        return owned[0] if owned else ErrorCode.NOT_CONNECTED
 
-    def _init(self, init: Init, nul: bool, peer: Peer, arrival: Arrival, now: Instant) -> list[Event] | ErrorName:
-        if not self._inits.take(now):
-            return ErrorName.RATE_LIMITED
+    def _init(self, init: Init, nul: bool, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event] | ErrorCode:
+        holder = self._by_robot.get((init.team, init.number))
+        repeated = holder is not None and holder.peer == peer
+        if not repeated and not self._inits.take(self._limiters.of(peer.host), now):
+            return ErrorCode.RATE_LIMITED
         if init.number > self.rules.numbers:
-            return ErrorName.ILLEGAL_NUMBER
+            return ErrorCode.ILLEGAL_NUMBER
         if init.options.mirror is not None:
             try:
                 check_span(init.options.mirror, self.rules.diagonal_m)
             except SettingsError:
-                return ErrorName.ILLEGAL_MIRROR
-        holder = self._by_robot.get((init.team, init.number))
-        if holder is not None and holder.peer == peer:
-            return self._repeated(holder, init, nul, now)
-        if holder is not None and holder.peer.host != peer.host:
-            return ErrorName.ALREADY_CONNECTED
-        return [*self._take_from(holder), *self._open(init, nul, peer, arrival, now)]
-
-    def _take_from(self, holder: Session | None) -> list[Event]:
-        """The owner's computer has a newer client: the old one hears it and goes."""
+                return ErrorCode.ILLEGAL_MIRROR
         if holder is None:
-            return []
-        told = _error(ErrorName.REPLACED, holder.nul, holder.peer, _arrival_of(holder), holder)
-        return [told, *self._step(holder, Change.REPLACED)]
+            return self._open(init, nul, peer, endpoint, now)
+        if holder.peer == peer:
+            return self._repeat(holder, init, nul, now)
+        if holder.peer.host != peer.host:
+            return ErrorCode.ALREADY_CONNECTED
+        return [*self._replace(holder), *self._open(init, nul, peer, endpoint, now)]
 
-    def _open(self, init: Init, nul: bool, peer: Peer, arrival: Arrival, now: Instant) -> list[Event]:
-        state = State.SAME_PORT if init.options.port_same else State.TRYING
-        session = Session(init, nul, peer, arrival.local, now, self.rules.boot, state, heard=now, inited=now)
+    def _replace(self, holder: Session) -> list[Event]:
+        """Tell a client that a newer one on its computer takes the robot over, and end its session."""
+        reply = _reply(ErrorReply(ErrorCode.REPLACED), holder)
+        return [reply, *self._step(holder, SessionTrigger.REPLACED)]
+
+    def _open(self, init: Init, nul: bool, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event]:
+        state = SessionState.SAME_PORT if init.options.port_same else SessionState.TRYING
+        session = Session(init, nul, peer, endpoint.local, now, state, heard=now, inited=now)
         self._by_robot[init.team, init.number] = session
         return [SessionOpened(session), *self._answers(session)]
 
-    def _repeated(self, session: Session, init: Init, nul: bool, now: Instant) -> list[Event]:
-        """The answer was lost, or the client started anew on the same port, perhaps with other options."""
-        same = init == session.init and seconds_between(session.inited, now) <= REPEAT_S
-        session.inits = session.inits + 1 if same else 1
+    def _repeat(self, session: Session, init: Init, nul: bool, now: Instant) -> list[Event]:
+        """Answer an init of the same client again: the answer was lost, or the client asks for other options."""
+        equal = init == session.init and seconds_between(session.inited, now) <= REPEAT_S
+        session.inits = session.inits + 1 if equal else 1
+        changed = (init, nul) != (session.init, session.nul)
         session.init, session.nul, session.inited = init, nul, now
         moved: list[Event] = []
         if init.options.port_same or session.inits >= UNHEARD_INITS:
-            moved = self._step(session, Change.UNHEARD)
-        return moved or self._answers(session)
+            moved = self._step(session, SessionTrigger.UNHEARD)
+        return [*([SessionChanged(session)] if changed else []), *(moved or self._answers(session))]
 
-    def _step(self, session: Session, change: Change) -> list[Event]:
-        if not session.step(change):
+    def _step(self, session: Session, trigger: SessionTrigger) -> list[Event]:
+        if not session.step(trigger):
             return []
-        if session.state is State.CLOSED:
+        if session.state is SessionState.CLOSED:
             del self._by_robot[session.team, session.number]
-            return [SessionClosed(session, change)]
+            return [SessionClosed(session, trigger)]
         return [SessionMoved(session), *self._answers(session)]
 
-    def _answers(self, session: Session) -> list[Event]:
-        messages: list[InitReply | Warn] = [InitReply(session.team, session.number, self.mode)]
+    def _answers(self, session: Session) -> list[Reply]:
+        """The answer to an init."""
+        answers = [_reply(InitReply(session.team, session.number, self.mode), session)]
         if session.init.unknown_options:
-            messages.append(Warn("unknown_option"))
-        end = b"\0" if session.nul else b""
-        return [Reply(encode(message) + end, session.peer, _arrival_of(session), session) for message in messages]
+            answers.append(_reply(WarningReply("unknown_option"), session))
+        return answers
 
 
-def _arrival_of(session: Session) -> Arrival:
-    return Arrival(session.port, session.local)
+def _name_of(command: Command) -> str:
+    """The name that a command is counted under."""
+    match command:
+        case Init():
+            return "init"
+        case Bye():
+            return "bye"
+        case LagReport():
+            return "lag"
+        case MirrorQuery():
+            return "mirror"
+        case InvalidCommand():
+            return INVALID
 
 
-def _error(name: ErrorName, nul: bool, to: Peer, via: Arrival, session: Session | None = None) -> Reply:
-    return Reply(encode(Error(name)) + (b"\0" if nul else b""), to, via, session)
+def _reply(message: InitReply | MirrorReply | ErrorReply | WarningReply, session: Session) -> Reply:
+    """A message to the client of a session."""
+    endpoint = Endpoint(session.port, session.local)
+    return Reply(encode(message) + (b"\0" if session.nul else b""), session.peer, endpoint, session)
+
+
+def _error(code: ErrorCode, nul: bool, to: Peer, via: Endpoint) -> Reply:
+    """An error to an address, whether or not it has a session."""
+    return Reply(encode(ErrorReply(code)) + (b"\0" if nul else b""), to, via)

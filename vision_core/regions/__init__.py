@@ -1,6 +1,7 @@
-"""What part of an image matters, and whether it can be used at all. Off the hot path.
+"""The field as the picture shows it, compared with the venue's settings. Off the hot path.
 
-``exposure`` judges how light the field is, ``lines`` whether the painted lines are where the field's measures and the
-camera say, ``boundary`` finds where the carpet ends. Each looks at points of the field alone, so a larger picture takes
-no longer, and tells numbers (``vision_core.types.regions``); the first two say in words, too, what is wrong.
+``exposure`` judges whether the field is lit well enough, ``lines`` whether the painted lines are where the field's
+measures and the camera put them, ``boundary`` finds where the carpet ends. Each samples a fixed number of points of the
+field, so a larger picture takes no longer, and returns numbers (``vision_core.types.regions``); the first two also say
+in sentences what is wrong.
 """

@@ -1,4 +1,4 @@
-"""Typed records: a name, a size, a validity and a codec; every read says how old the value is."""
+"""Typed records: a name, a size, a validity and a codec."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ K_co = TypeVar("K_co", covariant=True)
 
 
 class RecordTable(Protocol[K_co]):
-    """A table that can be told as a record."""
+    """A table that can be converted to a record."""
 
     bytes: memoryview
 
@@ -24,7 +24,7 @@ class RecordTable(Protocol[K_co]):
 
 
 class TableKind(Protocol[T]):
-    """A class of such tables."""
+    """A class of such tables: made from bytes, or from a record."""
 
     def __call__(self, memory: bytes | None = None, /) -> RecordTable[T]: ...
     def of(self, record: T, /) -> RecordTable[T]: ...
@@ -69,7 +69,7 @@ class Item(Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class Timed(Generic[T]):
-    """A value and what it is worth."""
+    """A value with its age and validity."""
 
     value: T
     sequence: int
@@ -80,12 +80,12 @@ class Timed(Generic[T]):
 
 
 def packed(name: str, kind: type[T], capacity: int, validity_s: float) -> Item[T]:
-    """A record that is packed (MessagePack)."""
+    """A record in MessagePack."""
     return Item(RecordSpec(name, capacity, validity_s), msgspec.msgpack.Encoder(), msgspec.msgpack.Decoder(kind))
 
 
 class TableCodec(Generic[T]):
-    """A record whose bytes are those of a table: the hot path copies them as they are, others get the record."""
+    """Codec of a record whose bytes are a table: the hot path copies the bytes, other readers get the record."""
 
     def __init__(self, kind: TableKind[T]) -> None:
         self._kind = kind
@@ -98,7 +98,7 @@ class TableCodec(Generic[T]):
 
 
 def tabled(name: str, kind: TableKind[T], validity_s: float) -> Item[T]:
-    """A record that is a table."""
+    """A record whose bytes are a table."""
     codec = TableCodec(kind)
     return Item(RecordSpec(name, len(kind().bytes), validity_s), codec, codec)
 

@@ -1,11 +1,11 @@
-"""Where everything lies in the block: computed the same way on both sides from the list of records."""
+"""Where every record lies in the block. Writers and readers compute it alike from the list of records."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-LINE = 64
-"""A cache line; head and slots start on one, so that 8-byte fields are written at once."""
-SLOT_HEADER = LINE
+CACHE_LINE = 64
+"""Head and slots start on a cache line, so that 8-byte fields are written at once [bytes]."""
+SLOT_HEADER = CACHE_LINE
 PAGE = 4096
 
 
@@ -17,22 +17,22 @@ class RecordSpec:
     capacity: int
     """Largest payload [bytes]."""
     validity_s: float
-    """Older than this since it was measured it is not valid any more; 0: valid for ever."""
+    """Age up to which a value is valid [s]; 0: for ever."""
     slots: int = 4
     checksum: bool = True
-    """CRC over the payload; off for images, where looking at every byte costs more than it tells."""
+    """CRC over the payload. Off for images, where reading every byte would cost too much."""
 
     @property
     def slot_bytes(self) -> int:
-        return SLOT_HEADER + _aligned(self.capacity, LINE)
+        return SLOT_HEADER + _aligned(self.capacity, CACHE_LINE)
 
     @property
     def total_bytes(self) -> int:
-        return _aligned(LINE + self.slots * self.slot_bytes, PAGE)
+        return _aligned(CACHE_LINE + self.slots * self.slot_bytes, PAGE)
 
 
 def offsets(specs: Iterable[RecordSpec]) -> tuple[dict[str, int], int]:
-    """First byte of each record by name, and the size of the whole block."""
+    """First byte of each record by name, and the size of the block. Raises ValueError for a repeated name."""
     places: dict[str, int] = {}
     end = 0
     for spec in specs:

@@ -1,18 +1,18 @@
-"""What is in the database: names, types and codecs of all records.
+"""Names, types and codecs of all records in the database.
 
-| record | written by | tells |
+| record | written by | contains |
 | --- | --- | --- |
 | service | supervisor | version, start, addresses, the settings |
 | processes | supervisor | state of every process |
 | frames/<camera> | capture | the newest images |
-| source/<camera> | capture | what the camera is |
-| sightings/<camera> | perceive | what one frame shows |
-| obstacles/<camera> | obstacles | things that nobody knows |
+| source/<camera> | capture | the camera's name, rate and kind |
+| sightings/<camera> | perceive | robots and balls of one frame |
+| obstacles/<camera> | obstacles | things that are no known robot |
 | diagnosis/<camera> | diagnose | why nothing or too little is seen |
 | world | serve | tracks at the frame's instant |
-| views | serve | what every robot would see, as it goes over the wire |
+| views | serve | what every robot would see, as it is sent |
 | serving | serve | clients, rates and lags |
-| sessions | serve | what a restarted serve needs to go on with the same clients |
+| sessions | serve | the state from which a restarted ``serve`` continues with the same clients |
 | boundary/<camera> | boundary | where the field ends in the image |
 | lines/<camera> | lines | whether the painted lines are where they should be |
 | exposure/<camera> | exposure | how light the field is |
@@ -21,10 +21,10 @@
 | frames_done/<camera> | source | that this image is in its slot |
 | lags | serve | histograms of the lags of server, network and clients |
 | selftest | supervisor | how well this machine keeps time |
-| proposed_settings | web | what is to change while the service runs |
-| task/<task> | each task | how it stands and does |
+| proposed_settings | web | overrides of tasks that hold while the service runs |
+| task/<task> | each task | its times, policy and metrics |
 | timing/<task> | each task | its histograms |
-| heartbeat/<process> | each process | that it lives |
+| heartbeat/<process> | each process | nothing: its age shows that the process is alive |
 """
 
 import msgspec
@@ -52,8 +52,8 @@ from vision_core.types.tracks import World
 from vision_core.types.views import Views
 
 WATCHED_S = 2.0
-"""By the settings as shipped, what watches over the camera looks once in 0.8 s or more often; slowed, its record is
-invalid in between."""
+"""Validity of the records of watchers: with the default settings each runs every 0.8 s or more often. The record of a
+watcher that is slowed further is invalid between two runs."""
 SERVICE = packed("service", ServiceInfo, 65536, 0.0)
 PROCESSES = Item(  # the supervisor is standard library only
     RecordSpec("processes", 16384, 3.0), msgspec.json.Encoder(), msgspec.json.Decoder(Processes)
@@ -110,7 +110,7 @@ def timing(name: str) -> RecordSpec:
 
 
 def heartbeat(process: str) -> RecordSpec:
-    """Written again and again by a process that lives; it holds nothing."""
+    """Written ten times a second by a process that is alive; its payload is empty."""
     return RecordSpec(f"heartbeat/{process}", 8, 1.0)
 
 

@@ -10,14 +10,14 @@ A writer that dies in between leaves the head where it was: readers keep the pre
 next writer fills the same slot again.
 
 Python copies eight aligned bytes at once and x86-64 keeps the order of stores; where a processor does
-not (arm64), the checksum catches what the sequence numbers miss.
+not (arm64), the checksum detects what the sequence numbers miss.
 """
 
 import zlib
 from dataclasses import dataclass
 
 from vision_core.clock import Instant, seconds_between
-from vision_core.rtdb.layout import LINE, SLOT_HEADER, RecordSpec
+from vision_core.rtdb.layout import CACHE_LINE, SLOT_HEADER, RecordSpec
 
 BEGUN, ENDED, MEASURED, WRITTEN, LENGTH, CHECKSUM = range(6)
 READ_TRIES = 3
@@ -25,12 +25,12 @@ READ_TRIES = 3
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What a read gives: the value, and how much it is worth."""
+    """A value that was read, with its age and validity."""
 
     value: bytes
     sequence: int
     measured: Instant
-    """When what it tells was so."""
+    """The instant that the value describes."""
     written: Instant
     age_s: float
     """Since it was measured."""
@@ -39,7 +39,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class SlotView:
-    """A slot looked at in place, without a copy: ask ``SlotReader.is_unchanged`` after using it."""
+    """A slot in place, without a copy. After using it, check with ``SlotReader.is_unchanged`` that it still holds."""
 
     payload: memoryview
     sequence: int
@@ -56,7 +56,7 @@ class _Ring:
         self._fields: list[memoryview] = []
         self._payloads: list[memoryview] = []
         for index in range(spec.slots):
-            start = LINE + index * spec.slot_bytes
+            start = CACHE_LINE + index * spec.slot_bytes
             self._fields.append(memory[start : start + 48].cast("Q"))
             body = start + SLOT_HEADER
             self._payloads.append(memory[body : body + spec.capacity])
@@ -67,17 +67,17 @@ class _Ring:
         return int(self._head[0])
 
     def payload(self, slot: int) -> memoryview:
-        """A slot's payload, for somebody whom the record's writer has asked to fill it (as a camera fills a buffer)."""
+        """A slot's payload, for a process that fills it at the request of the record's writer."""
         return self._payloads[slot]
 
     def release(self) -> None:
-        """Let go of the memory, so that it can be unmapped."""
+        """Release the memory, so that it can be unmapped."""
         for view in (self._head, *self._fields, *self._payloads):
             view.release()
 
 
 class SlotWriter(_Ring):
-    """The one writer of a record. A new writer goes on where a dead one stopped."""
+    """The one writer of a record. A new writer continues where its predecessor stopped."""
 
     def write(self, value: bytes | memoryview, measured: Instant, now: Instant) -> int:
         """Publish a value; returns its sequence number. Raises ValueError when it is too large."""
@@ -87,13 +87,13 @@ class SlotWriter(_Ring):
         return self.commit(len(value), measured, now)
 
     def begin(self) -> memoryview:
-        """Open the next slot and hand out its payload to be filled in place."""
+        """Open the next slot. Returns its payload, to be filled in place."""
         self._fields[self.next_slot][BEGUN] = self._head[0] + 1
         return self._payloads[self.next_slot]
 
     @property
     def next_slot(self) -> int:
-        """Which slot the next write goes to."""
+        """Number of the slot that the next write fills."""
         return (int(self._head[0]) + 1) % self.spec.slots
 
     def commit(self, length: int, measured: Instant, now: Instant) -> int:
@@ -112,7 +112,7 @@ class SlotReader(_Ring):
     """A reader of a record."""
 
     def read(self, now: Instant) -> Reading | None:
-        """The newest value with its age; None before the first write, or when three tries were torn."""
+        """The newest value with its age; None before the first write, or when READ_TRIES copies were overwritten."""
         for _ in range(READ_TRIES):
             view = self.view()
             if view is None:
@@ -128,7 +128,7 @@ class SlotReader(_Ring):
         return None
 
     def view(self) -> SlotView | None:
-        """The newest slot in place; None before the first write, or while it is being overtaken."""
+        """The newest slot in place; None before the first write, or while it is being overwritten."""
         sequence = int(self._head[0])
         fields = self._fields[sequence % self.spec.slots]
         if not sequence or fields[ENDED] != sequence or fields[BEGUN] != sequence:
@@ -138,5 +138,5 @@ class SlotReader(_Ring):
         return SlotView(payload, sequence, Instant(fields[MEASURED]), Instant(fields[WRITTEN]))
 
     def is_unchanged(self, view: SlotView) -> bool:
-        """Is the slot still the one that was looked at, and not being filled anew?"""
+        """Does the slot still hold the value of the view?"""
         return bool(self._fields[view.sequence % self.spec.slots][BEGUN] == view.sequence)

@@ -9,7 +9,7 @@ from vision_core.rtdb.slots import SlotReader, SlotWriter
 
 
 def create_block(specs: Sequence[RecordSpec]) -> int:
-    """Make the block; returns its descriptor, inheritable. It lives as long as somebody holds it."""
+    """Make the block. Returns its inheritable descriptor; the block lives as long as a process holds one."""
     _, size = offsets(specs)
     descriptor = os.memfd_create("pslv-rtdb", 0)
     os.ftruncate(descriptor, size)
@@ -20,7 +20,7 @@ class Store:
     """A mapped block."""
 
     def __init__(self, specs: Sequence[RecordSpec], descriptor: int, *, read_only: bool = False) -> None:
-        """read_only: for those who only look; the kernel sees to it that they do.
+        """read_only: map the block without the right to write.
 
         Raises ValueError when the block is smaller than its records.
         """
@@ -37,9 +37,9 @@ class Store:
         return ring
 
     def writer(self, name: str) -> SlotWriter:
-        """The writer of a record; the task table sees to it that there is only one.
+        """The writer of a record. The check of the task table ensures that there is only one.
 
-        Raises KeyError for an unknown name, ValueError when the block is there to look at only.
+        Raises KeyError for an unknown name, ValueError when the block is mapped read-only.
         """
         if self._view.readonly:
             raise ValueError(f"the writer of record {name!r}: the block is mapped read-only")
@@ -48,7 +48,7 @@ class Store:
         return ring
 
     def close(self) -> None:
-        """Unmap. Readers and writers, and whatever they handed out in place, must not be used after."""
+        """Unmap. Readers, writers and their views must not be used afterwards."""
         for ring in self._rings:
             ring.release()
         self._view.release()

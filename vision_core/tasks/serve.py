@@ -1,199 +1,148 @@
-"""Task: sightings -> datagrams. Released by perception and by whatever clients send.
+"""Task: sightings -> datagrams. Released by perception and by the datagrams of clients.
 
-Its sessions are written to the database after every frame, so that a successor goes on with the same
-clients, ports and Time where this process stopped.
+Four parts, each in a file of its own, are joined here: ``Tracker`` (sightings -> world), ``Messages`` (world ->
+datagrams), ``UdpServer`` (datagrams -> clients; the order of sending is in ``net/delivery.py``) and ``DeliveryReport``
+(what the page shows of it).
+
+The sessions are written to the database whenever they change and after every frame. So when this process ends
+unexpectedly, its successor goes on with the same clients, ports and Time.
 """
 
-import random
-import statistics
-from collections import deque
+from collections.abc import Sequence
 
-from vision_core.clock import NS_PER_S, Instant, seconds_between
+from vision_core.clock import Instant, seconds_between
 from vision_core.models.field import diagonal_m
-from vision_core.net.server import Served, UdpServer
+from vision_core.models.from_settings import mirror_from
+from vision_core.net.delivery_report import DeliveryReport
+from vision_core.net.server import SendSummary, UdpServer
 from vision_core.net.udp import adopted
 from vision_core.pipeline.view_encoder import Messages
 from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.session import Event, Refused, Rules, Sessions
+from vision_core.protocol.session import Event, SessionRules, Sessions
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import LAGS, ClientInfo, Serving
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, Release, StepResult
-from vision_core.settings.schema import Settings
-from vision_core.timing.histogram import Histograms
-from vision_core.timing.running_rate import RunningRate
 from vision_core.tracks.tracker import Tracker
-from vision_core.types.tables import SightingsTable, Table, obstacle_table
+from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
 
 PUBLISH_EVERY_S = 0.5
-LAGS_KEPT = 300
-"""Frames: ten seconds at 30 Hz."""
-REFUSALS_KEPT = 20
-REFUSAL_TOLD_S = 30.0
-MS_PER_S = 1e3
 
 
 def start(handle: Handle) -> Step:
-    """Load the kernels, take over the sessions."""
+    """Load the kernels and restore the sessions."""
     warm_up_views(handle.settings)
-    server = Server(handle)
-    handle.listen(server.fileno(), server.hear)
-    handle.every_turn(server.hear)  # also when every frame is late
-    handle.every_turn(server.publish_if_due)
-    return server.serve_newest
+    task = ServeTask(handle)
+    handle.listen(task.server.fileno(), task.receive)
+    handle.every_turn(task.receive)  # also when every frame is late
+    handle.every_turn(task.publish_if_due)
+    return task.serve_newest
 
 
-class Server:
-    """Tracks, observes, sends, answers; one thread."""
+class ServeTask:
+    """Serves one frame after the other, and answers clients in between. It has one thread."""
 
     def __init__(self, handle: Handle) -> None:
-        settings = handle.settings
-        camera = handle.camera.name
         self._handle = handle
         self._clock = handle.clock
-        self._tracker = Tracker(settings.tracks, settings.robots)
-        self._messages = Messages(settings, handle.attachment.boot)
-        self._sightings = handle.raw_reader(records.sightings(camera).spec.name)
-        self._seen = SightingsTable()
-        self._obstacles = handle.reader(records.obstacles(camera))
-        self._things: tuple[int, Table, Instant | None] = (0, obstacle_table(()), None)
+        self._sightings = handle.raw_reader(records.sightings(handle.camera.name).spec.name)
+        self._served_sequence = self._sightings.sequence
+        self._sightings_table = SightingsTable()
+        self._obstacles = _ObstacleReader(handle)
+        self._tracker = Tracker(handle.settings.tracks, handle.settings.robots)
+        self._encoder = Messages(handle.settings, handle.attachment.boot)
         self._world = handle.raw_writer(records.WORLD.spec.name)
         self._views = handle.raw_writer(records.VIEWS.spec.name)
-        self._serving = handle.writer(records.SERVING)
         self._sessions = handle.raw_writer(records.SESSIONS.name)
-        self._lag_record = handle.raw_writer(records.LAG_HISTOGRAMS.name)
-        main, session = (adopted(handle.attachment.resources.sockets[name]) for name in ("main", "session"))
-        order = random.Random()  # noqa: S311 (fairness, no secret); seeded by the system
-        self._udp = UdpServer(main, session, self._restored(settings), self._clock, order)
-        self._lags = Histograms(LAGS)
-        self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
-        self._reported: dict[tuple[str, int], Instant] = {}
-        self._refused: deque[tuple[Instant, str]] = deque(maxlen=REFUSALS_KEPT)
-        self._rates: dict[tuple[str, int], RunningRate] = {}
-        self._published = self._clock.now()
-        self._newest = self._sightings.sequence
+        self.server = _restored_server(handle)
+        self._report = DeliveryReport()
+        self._serving = handle.writer(records.SERVING)
+        self._lags = handle.raw_writer(records.LAG_HISTOGRAMS.name)
+        self._published_at: Instant | None = None
 
-    def fileno(self) -> int:
-        """Readable when a client has said something."""
-        return self._udp.fileno()
-
-    def hear(self) -> None:
-        """Take what clients said."""
-        self._note(self._udp.handle_readable())
+    def receive(self) -> None:
+        """Receive and answer the datagrams of clients."""
+        self._note(self.server.handle_readable())
 
     def serve_newest(self, release: Release) -> StepResult:
-        """Send the newest frame's views, then write down what was sent."""
-        seen = self._sightings.read(self._clock.now())
-        if seen is None or seen.sequence == self._newest:
+        """Send the newest frame's views, then write the records; idle when there is no new frame."""
+        reading = self._sightings.read(self._clock.now())
+        if reading is None or reading.sequence == self._served_sequence:
             return IDLE
-        self._newest = seen.sequence
-        missed = seen.sequence - release.sequence  # sightings that came between the release and this call
-        if not seen.valid:  # a source that stood still delivers again: these sightings are too old to be served
+        self._served_sequence = reading.sequence
+        missed = reading.sequence - release.sequence  # sightings that came between the release and this call
+        if not reading.valid:  # a source that had stopped delivers again: these sightings are too old to be sent
             return StepResult(ran=False, missed=missed)
-        self._seen.load(seen.value)
-        served = self._serve(seen.measured)
-        if served.last is not None:
-            self._lags_s.append(seconds_between(seen.measured, served.last))
-            self._lags.add("server", served.last - seen.measured)
-        self._note(served.events)
-        self._keep_sessions()
+        self._sightings_table.load(reading.value)
+        world = self._tracker.update(self._sightings_table, *self._obstacles.newest())
+        summary = self._send(world, reading.measured)
+        self._write_records(world, reading.measured)
+        self._report.note_frame(reading.measured, summary)
+        self._note(summary.events)
+        self._save_sessions()
         return StepResult(missed=missed)
 
-    def _serve(self, at: Instant) -> Served:
-        """Track, observe, encode and send; then let others read what was sent."""
-        things, things_at = self._newest_obstacles()
-        world = self._tracker.update(self._seen, things, things_at)
-        sessions, due = self._udp.due(at)
-        served = self._udp.send_batch(at, self._messages.write(world, sessions, due))
-        now = self._clock.now()
-        self._world.write(world.bytes, at, now)
-        self._views.write(self._messages.views.bytes, at, now)
-        return served
-
-    def _newest_obstacles(self) -> tuple[Table, Instant | None]:
-        """As last told, and when they were seen; decoded once."""
-        if self._obstacles.sequence != self._things[0] and (told := self._obstacles.read(self._clock.now())):
-            self._things = (told.sequence, obstacle_table(told.value.obstacles), told.measured)
-        return self._things[1:]
-
     def publish_if_due(self) -> None:
-        """Say twice a second how the clients are served."""
+        """Twice a second: end silent sessions, and report how the clients are served."""
         now = self._clock.now()
-        if seconds_between(self._published, now) < PUBLISH_EVERY_S:
+        if self._published_at is not None and seconds_between(self._published_at, now) < PUBLISH_EVERY_S:
             return
-        self._note(self._udp.expire())
-        self._count_reports()
-        lags = sorted(self._lags_s) or [0.0]
-        serving = Serving(
-            clients=self._clients(now),
-            lag_median_ms=statistics.median(lags) * MS_PER_S,
-            lag_max_ms=lags[-1] * MS_PER_S,
-            refused=tuple(text for at, text in self._refused if seconds_between(at, now) <= REFUSAL_TOLD_S),
-        )
-        self._lag_record.write(self._lags.encode(), now, now)
-        self._serving.write(serving, now, now)
-        self._published = now
+        self._note(self.server.expire())
+        self._lags.write(self._report.histograms(), now, now)
+        self._serving.write(self._report.serving(self.server, now), now, now)
+        self._published_at = now
 
-    def _count_reports(self) -> None:
-        """Lags B and C, as far as clients have reported them since the last time."""
-        for session in self._udp.sessions:
-            key = (session.team, session.number)
-            if session.reported == self._reported.get(key):
-                continue
-            self._reported[key] = session.reported
-            for name, lag_s in (("network", session.network_s), ("client", session.client_s)):
-                if lag_s is not None:
-                    self._lags.add(name, round(lag_s * NS_PER_S))
+    def _send(self, world: WorldTable, grabbed_at: Instant) -> SendSummary:
+        """Send the views of a world to the clients that are due."""
+        sessions, due = self.server.due(grabbed_at)
+        return self.server.send_batch(grabbed_at, self._encoder.write(world, sessions, due))
 
-    def _clients(self, now: Instant) -> tuple[ClientInfo, ...]:
-        infos = []
-        before, self._rates = self._rates, {}
-        for session in self._udp.sessions:
-            tally = self._udp.tally(session)
-            key = (session.team, session.number)
-            self._rates[key] = before.get(key) or RunningRate()
-            infos.append(
-                ClientInfo(
-                    team=session.team,
-                    number=session.number,
-                    address=session.peer.host,
-                    port=session.peer.port,
-                    since=session.opened,
-                    sent=tally.sent,
-                    dropped=tally.dropped,
-                    rate_hz=self._rates[key].of(now, tally.sent),
-                    mean_rank=tally.mean_rank,
-                    network_ms=_ms(session.network_s),
-                    client_ms=_ms(session.client_s),
-                )
-            )
-        return tuple(sorted(infos, key=lambda info: (info.team, info.number)))
-
-    def _note(self, events: list[Event] | tuple[Event, ...]) -> None:
-        for event in events:
-            if isinstance(event, Refused):
-                text = f"{event.peer.host} port {event.peer.port}: {event.error.value}"
-                self._refused.append((self._clock.now(), text))
-        if events:
-            self._keep_sessions()
-
-    def _keep_sessions(self) -> None:
+    def _write_records(self, world: WorldTable, grabbed_at: Instant) -> None:
+        """Write the world and the views that were sent."""
         now = self._clock.now()
-        self._sessions.write(self._udp.snapshot(), now, now)
+        self._world.write(world.bytes, grabbed_at, now)
+        self._views.write(self._encoder.views.bytes, grabbed_at, now)
 
-    def _restored(self, settings: Settings) -> Sessions:
-        """The sessions of a predecessor that died, or none."""
-        rules = Rules(
-            boot=self._handle.attachment.boot,
-            numbers=settings.match.numbers,
-            lease_s=settings.protocol.lease_s,
-            diagonal_m=diagonal_m(settings.field),
-            admission=Admission.from_subnets(settings.admission.subnets),
-        )
-        kept = self._handle.raw_reader(records.SESSIONS.name).read(self._clock.now())
-        return Sessions(rules) if kept is None else Sessions.restore(rules, kept.value)
+    def _note(self, events: Sequence[Event]) -> None:
+        if events:
+            self._report.note_events(events, self.server, self._clock.now())
+            self._save_sessions()
+
+    def _save_sessions(self) -> None:
+        now = self._clock.now()
+        self._sessions.write(self.server.snapshot(), now, now)
 
 
-def _ms(duration_s: float | None) -> float | None:
-    return None if duration_s is None else duration_s * MS_PER_S
+class _ObstacleReader:
+    """Reads the newest obstacles, and decodes each record once."""
+
+    def __init__(self, handle: Handle) -> None:
+        self._reader = handle.reader(records.obstacles(handle.camera.name))
+        self._clock = handle.clock
+        self._sequence = 0
+        self._newest: tuple[Table, Instant | None] = obstacle_table(()), None
+
+    def newest(self) -> tuple[Table, Instant | None]:
+        """The obstacles, and when they were seen: None before the first record."""
+        if self._reader.sequence != self._sequence and (reading := self._reader.read(self._clock.now())):
+            self._sequence = reading.sequence
+            self._newest = obstacle_table(reading.value.obstacles), reading.measured
+        return self._newest
+
+
+def _restored_server(handle: Handle) -> UdpServer:
+    """A server with the sessions that an earlier process of this service had, if there was one."""
+    settings = handle.settings
+    rules = SessionRules(
+        boot=handle.attachment.boot,
+        numbers=settings.match.numbers,
+        lease_s=settings.protocol.lease_s,
+        diagonal_m=diagonal_m(settings.field),
+        mirror=mirror_from(settings),
+        admission=Admission.from_subnets(settings.admission.subnets),
+    )
+    main, session = (adopted(handle.attachment.resources.sockets[name]) for name in ("main", "session"))
+    snapshot = handle.raw_reader(records.SESSIONS.name).read(handle.clock.now())
+    if snapshot is None:
+        return UdpServer(main, session, Sessions(rules), handle.clock)
+    return UdpServer.restore(main, session, rules, snapshot.value, handle.clock)

@@ -1,26 +1,49 @@
 """2. image -> color classes."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from vision_core.geometry import Bytes
+from vision_core.geometry import Bytes, frozen
 
 Levels: TypeAlias = tuple[float, float, float]
 """Blue, green, red in grey levels, or a factor for each of them."""
 
+LUMA_BGR = frozen(np.array([0.114, 0.587, 0.299]))
+"""Weights of blue, green and red in the luma (ITU-R BT.601)."""
+
+CELL_COUNT = 1 << 16
+"""Cells of the color table: 5 bits of blue, 6 of green, 5 of red."""
+CELL_SIZE_BGR = (8, 4, 8)
+"""Grey levels that share a cell, per channel."""
+CELL_BITS_BGR = ((3, 11), (2, 5), (3, 0))
+"""Per channel: how many low bits are dropped, and at which bit of the cell's index the rest is placed."""
+
+
+(_BLUE_DROP, _BLUE_PLACE), (_GREEN_DROP, _GREEN_PLACE), (_RED_DROP, _RED_PLACE) = CELL_BITS_BGR
+
+
+def cell_index(blue: Any, green: Any, red: Any) -> Any:
+    """Index of the cell that a color falls into, for integers or integer arrays; levels 0..255 of at least 32 bits."""
+    return blue >> _BLUE_DROP << _BLUE_PLACE | green >> _GREEN_DROP << _GREEN_PLACE | red >> _RED_DROP << _RED_PLACE
+
+
+def cell_corner(index: Any) -> tuple[Any, Any, Any]:
+    """The smallest blue, green and red of a cell, for integers or integer arrays."""
+    return (index >> 11) * 8, (index >> 5 & 63) * 4, (index & 31) * 8
+
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """How a picture's light differs from the one the colors were tuned in: venue = (pixel - black) * gain."""
+    """How a picture's light differs from the light of the venue's colors: venue = (pixel - black) * gain."""
 
     black_bgr: Levels
-    """What the sensor says in the dark."""
+    """What the sensor delivers in the dark [grey levels]."""
     gain_bgr: Levels
-    """1 for each channel where the light could not be judged."""
+    """1 for each channel where the light could not be measured."""
     reason: str = ""
-    """Why it could not be judged; empty when it could."""
+    """Why it could not be measured; empty when it could."""
 
     @property
     def neutral(self) -> bool:
@@ -35,11 +58,11 @@ class ColorTable:
     names: tuple[str, ...]
     """names[0] is the empty string."""
     classes: Bytes
-    """Shape (65536,): class at index (b >> 3) << 11 | (g >> 2) << 5 | (r >> 3)."""
+    """Class of each cell, by ``cell_index``; shape (65536,)."""
     mean_bgr: Bytes
-    """Shape (len(names), 3): a typical color of each class, to draw it."""
+    """A typical color of each class, to draw it; shape (len(names), 3)."""
     disputed: tuple[tuple[str, str, int], ...]
-    """Pairs of classes that claim the same cells, and how many; the class named first keeps them."""
+    """Pairs of classes that claim the same cells, and how many cells; the class named first gets them."""
 
     def index(self, name: str) -> int:
         """Number of a class by its name."""
@@ -47,6 +70,5 @@ class ColorTable:
 
     def classes_of(self, bgr: Bytes) -> Bytes:
         """Class of each color: shape (..., 3) -> shape (...)."""
-        blue, green, red = (bgr[..., channel].astype(np.intp) for channel in range(3))
-        classes: Bytes = self.classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]
+        classes: Bytes = self.classes[cell_index(*np.moveaxis(bgr.astype(np.intp), -1, 0))]
         return classes

@@ -12,7 +12,7 @@ class ImageFrame:
 
     camera: str
     number: int
-    """Counts the images that were captured, from 1; a gap is one that perception did not look at."""
+    """Counts the captured images, from 1; perception skips some of them."""
     grabbed: Instant
     """When the image was grabbed: the driver's buffer time where there is one."""
     pixels: Bytes

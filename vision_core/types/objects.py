@@ -19,14 +19,14 @@ class RobotSighting:
 
     team: Team
     id: int | None
-    """Marker id; None where it has none or cannot be read."""
+    """Marker id; None where it cannot be read, or another robot of the team has the same."""
     x_px: float
     y_px: float
     """The marker's center in the image."""
     x_m: float
     y_m: float
     heading_rad: float | None
-    """None where the pattern shows no direction."""
+    """None where the pattern has no direction, or it could not be determined."""
     confidence: float
     """0..1."""
     position_sd_m: float
@@ -49,7 +49,7 @@ class BallSighting:
 
 @dataclass(frozen=True, slots=True)
 class ObstacleSighting:
-    """A thing of robot size in one frame that is no known robot and no ball; a circle on the floor holds it."""
+    """An object of robot size in one frame that is no known robot and no ball, as a circle on the floor."""
 
     x_px: float
     y_px: float
@@ -61,7 +61,7 @@ class ObstacleSighting:
 
 @dataclass(frozen=True, slots=True)
 class Obstacles:
-    """What stands on the field and is nobody, in one frame; looked for less often than robots are."""
+    """The obstacles of one frame; searched less often than robots are."""
 
     camera: str
     frame_number: int
@@ -71,7 +71,7 @@ class Obstacles:
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """Why nothing or too little is seen, in words; looked into less often than robots are."""
+    """Why nothing or too little is found in one frame, in sentences; computed less often than robots are searched."""
 
     camera: str
     frame_number: int
@@ -81,14 +81,14 @@ class Diagnosis:
 
 @dataclass(frozen=True, slots=True)
 class Sightings:
-    """Everything seen in one frame. Balls: those between the lines first, then by confidence."""
+    """Robots and balls of one frame. Balls: those between the lines first, then by confidence."""
 
     camera: str
     frame_number: int
     grabbed: Instant
     perceived: Instant
-    """When perception was done with the frame."""
+    """When perception had finished the frame."""
     robots: tuple[RobotSighting, ...]
     balls: tuple[BallSighting, ...]
     complete: bool
-    """False when there were more blobs than there was room for: parts of the picture were not looked at."""
+    """False when there were more blobs than there was room for: a part of the picture was not searched."""

@@ -1,23 +1,23 @@
-"""A cheap test of colors, made from a color table: what it refuses is of no class."""
+"""A cheap test of colors, made from a color table: a color that it rejects has no class."""
 
 from typing import NamedTuple
 
 from vision_core.geometry import Bytes
 
-FORMS = 8
+CONDITIONS = 8
 """One channel stands out: 0 blue, 1 green, 2 red. One channel falls behind: 3 blue, 4 green, 5 red. 6 light, 7 dark."""
 
 
-class Candidates(NamedTuple):
-    """Eight forms of color; a color that passes none of them has class 0.
+class ColorPrefilter(NamedTuple):
+    """Eight conditions on a color; a color that meets none of them has class 0. Kernels take it as an argument.
 
-    Forms 0..2 pass where the channel exceeds the larger of the others, forms 3..5 where the smaller of the others
-    exceeds the channel, by more than ``least_step``, and where that channel (that smaller one) is itself over
-    ``least_level``. Form 6 passes where the smallest channel is over ``least_level[6]``, form 7 where the largest is
-    under ``least_level[7]``. A compiled function can take it as an argument.
+    Conditions 0..2: the channel exceeds the larger of the other two by more than ``margin_limit``, and is itself above
+    ``level_limit``. Conditions 3..5: the smaller of the other two exceeds the channel by more than ``margin_limit``,
+    and is itself above ``level_limit``. Condition 6: the smallest channel is above ``level_limit[6]``. Condition 7: the
+    largest channel is below ``level_limit[7]``.
     """
 
-    least_step: Bytes
-    """Shape (8,), of which 6 are used; 255 is a form that nothing passes."""
-    least_level: Bytes
+    margin_limit: Bytes
+    """Shape (8,), of which 6 are used; 255: no color meets the condition."""
+    level_limit: Bytes
     """Shape (8,)."""

@@ -1,4 +1,4 @@
-"""What the slow trackers find: the field as the picture shows it, beside what the venue says of it."""
+"""The results of the slow tasks: the field as the picture shows it, compared with the venue's settings."""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Finding(Generic[T]):
-    """What was found in one frame: the record round what a stage returns, which knows no camera."""
+    """The result of a stage for one frame. The stage itself does not know the camera."""
 
     camera: str
     frame_number: int
@@ -24,50 +24,50 @@ class FieldBoundary:
     """Where the carpet ends, on rays from the field's center outward, anticlockwise in the field from its x axis."""
 
     points_px: tuple[tuple[float, float], ...]
-    """Per ray the pixel; nan where the picture ends first, or no end is seen."""
+    """Per ray the pixel; nan where the picture ends first or no boundary is found."""
     confidences: tuple[float, ...]
-    """Per ray 0..1: all is carpet up to there, and nothing beyond; 0 where there is no point."""
+    """Per ray 0..1: 1 when every sample up to the point is carpet and none beyond; 0 without a point."""
     found: float
-    """Share of the rays with a point, of those whose wall or limit should be in the picture."""
+    """Share of the rays that have a point, among those whose wall or limit should be in the picture."""
     error_px: float | None
-    """Median distance from the wall or limit as the venue has it, outward positive: its scale. None: too few rays."""
+    """Median distance from the wall or limit of the settings, outward positive: a wrong scale. None: too few rays."""
     off_px: float | None
-    """The largest of the medians of the field's four sides, without its sign: a shifted or turned camera, too."""
+    """The largest absolute median of the field's four sides: also a shifted or turned camera."""
 
 
 @dataclass(frozen=True, slots=True)
 class LineCheck:
-    """Whether painted lines are where the field's measures and the camera say."""
+    """Whether painted lines are where the field's measures and the camera put them."""
 
     known: int
-    """Lines of which enough is in the picture to judge them; 0 where they are too thin, or none are painted."""
+    """Lines of which enough is in the picture to judge them; 0 where they are too thin or none is painted."""
     found: int
     samples: float | None
-    """Share of the known lines' points at which there is paint; None where none is known."""
+    """Share of the known lines' points that show paint; None where no line is known."""
     residual_px: float | None
-    """Median over the lines found of how far aside of its place each lies; None where none was found."""
+    """Median distance of the found lines from their places; None where none was found."""
     outside: float
-    """Share of all lines' points that lie outside of the picture; 0 where none are painted."""
+    """Share of all lines' points that lie outside of the picture; 0 where none is painted."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExposureCheck:
-    """How light the field is [grey levels]; None where the picture shows nothing of it."""
+    """How well the field is lit [grey levels]; None where the picture shows no part of it."""
 
     brightest: float | None
-    """What all but 0.2 % of the field stay below, in their brightest channel."""
+    """Level that 99.8 % of the field stay below in their brightest channel."""
     median_luma: float | None
     white: float | None
-    """Share of the field in which a channel is at the sensor's end."""
+    """Share of the field in which a channel is saturated."""
     reasons: tuple[str, ...]
-    """What is wrong, in words."""
+    """What is wrong, in sentences."""
 
 
 @dataclass(frozen=True, slots=True)
 class ColorDrift:
-    """How the light differs from the one that the colors were tuned in."""
+    """How the light differs from that in which the venue's colors were measured."""
 
     gain_bgr: Levels
-    """What makes a picture look as in the venue's light; 1 for each channel where it cannot be judged."""
+    """Factors that convert a picture to the venue's light; 1 for each channel where it cannot be measured."""
     reason: str
-    """Why it cannot be judged; empty when it can."""
+    """Why it cannot be measured; empty when it can."""

@@ -1,16 +1,21 @@
-"""What the service finds or makes before it starts."""
+"""The plan of a service: its processes with their modules and limits, and what is refused before anything starts."""
 
 import os
 import stat
+from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-from app.launch import plan
-from app.launch.plan import prepare_kernel_folder
+from app.launch.plan import plan_service, prepare_kernel_folder
+from app.supervisor.plan import ChildPlan, ServicePlan
 from vision_core.errors import ServiceError
 from vision_core.native import kernel_folder
 from vision_core.native.kernel_folder import VARIABLE
+from vision_core.rtdb.task import ORDINARY_MAX_RUN_S
+from vision_core.startup import PREFLIGHT
+from vision_core.venues.loader import load_settings
 
 
 @pytest.fixture(autouse=True)
@@ -19,6 +24,35 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel_folder, "_private_roots", lambda: iter([tmp_path / "private"]))
     monkeypatch.setenv("PSLV_DATA_DIR", str(tmp_path / "a" / "data"))
     monkeypatch.setenv(VARIABLE, "")
+
+
+@pytest.fixture
+def plan() -> Iterator[ServicePlan]:
+    """Of the default settings, on free ports."""
+    made, _ = plan_service(load_settings(options={"server.port": 0, "server.udp_port": 0}), "1")
+    yield made
+    for opened in made.sockets.values():
+        opened.close()
+
+
+def child(plan: ServicePlan, name: str) -> ChildPlan:
+    return next(each for each in plan.children if each.name == name)
+
+
+def test_every_module_that_is_started_by_name_exists(plan: ServicePlan) -> None:
+    for module in {PREFLIGHT, plan.spare_module, *(each.module for each in plan.children)}:
+        assert find_spec(module) is not None, module
+
+
+def test_an_ordinary_process_may_compute_for_long_and_a_real_time_one_may_not(plan: ServicePlan) -> None:
+    assert {each.name for each in plan.children if not each.real_time} == {"compile", "source", "diagnose", "web"}
+    assert child(plan, "diagnose").longest_run_s == ORDINARY_MAX_RUN_S
+    assert child(plan, "perceive").longest_run_s == 1.0
+
+
+def test_a_process_says_for_a_person_what_its_tasks_do(plan: ServicePlan) -> None:
+    assert child(plan, "perceive").title == "perceive (finds robots and ball)"
+    assert child(plan, "watch").purpose.startswith("finds where the field ends, checks that the camera was not moved")
 
 
 def test_the_data_folder_is_made(tmp_path: Path) -> None:
@@ -52,4 +86,4 @@ def test_no_folder_at_all_is_an_error(tmp_path: Path, monkeypatch: pytest.Monkey
     (tmp_path / "a").touch()
     monkeypatch.setattr(kernel_folder, "_private_roots", lambda: iter([tmp_path / "a" / "private"]))
     with pytest.raises(ServiceError, match=f"{tmp_path / 'a'}.*accepted: PSLV_DATA_DIR names"):
-        plan.prepare_kernel_folder()
+        prepare_kernel_folder()

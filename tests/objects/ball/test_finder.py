@@ -7,8 +7,8 @@ import msgspec
 import numpy as np
 import pytest
 
+from bench.segmenters import ReferenceSegmenter
 from tests.objects.drawing import SETTINGS, TABLE, Picture, overhead_camera
-from vision_core.blobs.run_lengths import Segmenter
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
@@ -20,6 +20,7 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.ball.reasons import explain_balls
+from vision_core.objects.observation import Observation
 from vision_core.settings.schema import BallSettings, ColorRange, FieldSettings, Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import BALL, MAX_BALLS, ROBOT, Table
@@ -52,9 +53,9 @@ def search(
 ) -> tuple[Table, tuple[str, ...]]:  # fmt: skip
     """The balls that are found, as a table, and the reasons when there is none."""
     balls = np.zeros(room, dtype=BALL)
-    given = blobs, len(blobs), pixels, table.classes, camera_map_from(camera), robots, len(robots), finder
-    count = find_balls(*given, balls)
-    return balls[:count], explain_balls(*given, "orange")
+    seen = Observation(blobs, len(blobs), pixels, table.classes, camera_map_from(camera))
+    count = find_balls(seen, robots, len(robots), finder, balls)
+    return balls[:count], explain_balls(seen, robots, len(robots), finder, "orange")
 
 
 def found(
@@ -92,9 +93,9 @@ def test_too_small(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     balls, reasons = found(drawn, ball_settings(min_area=1.5))
     assert len(balls) == 0
-    assert reasons[0] == "no ball: 1 orange blobs: 1 too small (ball.min_area)"
-    assert "blob at (52, 38) px has" in reasons[1]
-    assert "of the area that camera height and ball radius predict" in reasons[1]
+    assert reasons[0] == "no ball: 1 orange blob: 1 too small (ball.min_area)"
+    assert "the best candidate for the ball, at (52, 38) px, has" in reasons[1]
+    assert "times the area expected from camera height and ball radius" in reasons[1]
 
 
 def test_too_large(drawn: Picture, place: Place) -> None:
@@ -138,7 +139,7 @@ def test_dribbled_passes_and_on_top_of_a_robot_not(drawn: Picture, place: Place)
     balls, reasons = found(drawn, robots=((place[0] + 0.05, place[1]),))
     assert len(balls) == 0
     assert "1 on a robot (ball.inside_robot_m)" in reasons[0]
-    assert "50 mm from a robot's center; accepted: 75 and more" in reasons[1]
+    assert "50 mm from a robot's center; accepted: 75 or more" in reasons[1]
 
 
 def test_off_the_field(drawn: Picture, place: Place) -> None:
@@ -213,14 +214,16 @@ def rendered(settings: Settings, frames: int) -> list[tuple[float, float, float]
     camera, table = camera_map_from(CameraSetup.from_settings(settings).model), compile_color_table(settings.colors)
     finder = ball_finder(settings, table)
     pixels = CameraSetup.from_settings(settings).black_image()
-    segmenter, no_robots = Segmenter(pixels.shape[1], pixels.shape[0], settings.blobs), np.zeros(0, dtype=ROBOT)
+    segmenter = ReferenceSegmenter(pixels.shape[1], pixels.shape[0], settings.blobs)
+    no_robots = np.zeros(0, dtype=ROBOT)
     balls, errors = np.zeros(MAX_BALLS, dtype=BALL), []
     for _ in range(frames):
         source.grab(pixels)
         ball = source.truth.ball
         seen = read_only(pixels)
         blobs, _ = segmenter.segment(seen, table)
-        count = find_balls(segmenter.blobs, blobs, seen, table.classes, camera, no_robots, 0, finder, balls)
+        observation = Observation(segmenter.blobs, blobs, seen, table.classes, camera)
+        count = find_balls(observation, no_robots, 0, finder, balls)
         near = [one for one in balls[:count] if math.hypot(one["x_m"] - ball.x_m, one["y_m"] - ball.y_m) < 0.02]
         if near and ball.visible_share == 1.0:
             errors.append((near[0]["x_m"] - ball.x_m, near[0]["y_m"] - ball.y_m, float(near[0]["position_sd_m"])))

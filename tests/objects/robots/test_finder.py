@@ -10,6 +10,7 @@ from tests.objects.drawing import PAINT_TABLE, Picture, turn_between
 from tests.objects.finding import SHIPPED, empty_picture, finder_of, middle, scene_of, seen_in, settings_of
 from vision_core.models.camera_kernels import camera_map_from
 from vision_core.models.from_settings import robots_of
+from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots, robot_finder
 from vision_core.patterns.loader import CODE, load_pattern
 from vision_core.types.objects import Team
@@ -216,14 +217,14 @@ def test_a_cloth_of_dots_gives_no_more_robots_than_there_is_room_for() -> None:
     out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
     for seed in range(3):
         blobs = cloth_of_dots(2000, seed)
-        count = find_robots(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera, FINDER, out)
+        count = find_robots(Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera), FINDER, out)
         assert 0 < count <= MAX_ROBOTS
         robots = out[:count]
         keys = [(robot["team"], np.inf if robot["id"] == NO_ID else robot["id"], robot["x_m"]) for robot in robots]
         assert keys == sorted(keys)
         apart = np.hypot(*(robots[axis][:, None] - robots[axis] for axis in ("x_m", "y_m")))
         assert apart[~np.eye(count, dtype=bool)].min() > 0.12
-    assert find_robots(blobs, 0, pixels, PAINT_TABLE.classes, camera, FINDER, out) == 0
+    assert find_robots(Observation(blobs, 0, pixels, PAINT_TABLE.classes, camera), FINDER, out) == 0
 
 
 def test_one_signature_serves_all_patterns() -> None:

@@ -1,4 +1,4 @@
-"""What is derived from a pattern: areas, codes, and how many patches tell the heading."""
+"""What is derived from a pattern: areas, codes, and how many patches determine the heading."""
 
 import math
 
@@ -9,7 +9,7 @@ import pytest
 from tests.objects.drawing import PAINT_TABLE, SETTINGS, TABLE
 from tests.objects.finding import SHIPPED
 from vision_core.errors import SettingsError
-from vision_core.objects.robots.markers import ANCHOR, REFUSED, Marker, marker_of
+from vision_core.objects.robots.markers import ANCHOR_ROLE, NO_DIGIT, Marker, marker_of
 from vision_core.patterns.loader import Patch, Pattern, load_pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable
@@ -25,37 +25,37 @@ def marker(pattern: Pattern, table: ColorTable = PAINT_TABLE) -> Marker:
 
 
 @pytest.mark.parametrize(
-    ("name", "enough", "shaped"),
+    ("name", "min_slots", "with_shape"),
     [("ssl-standard", 3, 3), ("vsss-three-patch", 2, 1), ("vsss-diagonal", 1, 1), ("mirosot-quarters", 2, 2)],
 )
-def test_so_many_patches_tell_the_heading(name: str, enough: int, shaped: int) -> None:
+def test_so_many_patches_determine_the_heading(name: str, min_slots: int, with_shape: int) -> None:
     made = marker(load_pattern(name))
-    assert (made.enough, made.enough_shaped) == (enough, shaped)
+    assert (made.min_slots_for_heading, made.min_slots_with_shape) == (min_slots, with_shape)
 
 
 @pytest.mark.parametrize("name", ["t-plate", "mirosot-diagonal", "vsss-corner-patch"])
-def test_some_team_patches_tell_it_alone(name: str) -> None:
-    assert marker(load_pattern(name)).enough_shaped == 0
+def test_some_team_patches_determine_it_by_their_shape(name: str) -> None:
+    assert marker(load_pattern(name)).min_slots_with_shape == 0
 
 
-def test_a_marker_that_repeats_never_tells() -> None:
+def test_a_marker_that_repeats_never_determines_it() -> None:
     """Two dots of one class, on both sides of the center: half a turn changes nothing."""
     ssl = load_pattern("ssl-standard")
     sides = tuple(Patch(color="pink", circle_mm=(0.0, y, 40.0)) for y in (50.0, -50.0))
     made = marker(msgspec.structs.replace(ssl, patches=(ssl.patches[0], *sides)))
-    assert made.enough == 3 > len(made.slots_m)
+    assert made.min_slots_for_heading == 3 > len(made.slots_m)
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_patches_are_as_drawn(name: str) -> None:
     pattern = load_pattern(name)
     made = marker(pattern)
-    assert made.shares.sum() == pytest.approx(1.0)
+    assert made.area_fractions.sum() == pytest.approx(1.0)
     assert len(made.slots_m) == len(made.digits) == len(pattern.patches) - 1
     assert sorted(made.ids) == sorted(pattern.code_by_id)
     assert len(set(made.codes.tolist())) == len(made.codes)
-    assert made.wears[PAINT_TABLE.index("blue")] & ANCHOR
-    assert made.slots_m - made.anchor_m == pytest.approx(made.arms_m)
+    assert made.color_roles[PAINT_TABLE.index("blue")] & ANCHOR_ROLE
+    assert made.slots_m - made.anchor_m == pytest.approx(made.slot_offsets_m)
     assert not made.slots_m.flags.writeable
 
 
@@ -65,8 +65,8 @@ def test_the_standard_marker_in_numbers() -> None:
     assert made.areas_m2 == pytest.approx(np.full(4, math.pi * 0.02**2))
     assert np.hypot(*made.slots_m.T) == pytest.approx(np.full(4, 0.065), abs=1e-5)
     assert sorted(made.codes) == list(range(16))
-    assert made.places.tolist() == [1, 2, 4, 8]
-    assert (made.digits[:, PAINT_TABLE.index("orange")] == REFUSED).all()
+    assert made.place_values.tolist() == [1, 2, 4, 8]
+    assert (made.digits[:, PAINT_TABLE.index("orange")] == NO_DIGIT).all()
 
 
 def test_a_color_without_a_class_is_named() -> None:

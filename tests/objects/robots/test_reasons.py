@@ -1,4 +1,4 @@
-"""What is said when robots are not seen or not read."""
+"""The reasons given when robots are not found or have no id."""
 
 import pytest
 
@@ -20,7 +20,7 @@ def said(drawn: Picture, pattern: str = "ssl-standard", min_confidence: float = 
     return "\n".join(explain_robots(scene_of(drawn), settings_of(pattern, min_confidence=min_confidence)))
 
 
-def test_nothing_to_say_of_robots_that_are_read() -> None:
+def test_no_reason_when_every_robot_has_an_id() -> None:
     drawn, x, y = picture(2.6)
     drawn.paint_robot("blue", CODES[3], x - 0.1, y, 0.3)
     drawn.paint_robot("yellow", CODES[3], x + 0.1, y, 0.3)
@@ -29,8 +29,8 @@ def test_nothing_to_say_of_robots_that_are_read() -> None:
 
 def test_no_blob_of_a_teams_color() -> None:
     text = said(picture()[0])
-    assert "no blue robot: no blob of class blue" in text
-    assert "no yellow robot: no blob of class yellow" in text
+    assert "no blue robot: no blob of color class blue" in text
+    assert "no yellow robot: no blob of color class yellow" in text
 
 
 def test_wrong_size_is_said_with_its_share() -> None:
@@ -38,23 +38,26 @@ def test_wrong_size_is_said_with_its_share() -> None:
     drawn.paint_disc("blue", x, y, 0.075, SSL.robot.height_m)
     text = said(drawn)
     assert "none of the right size" in text
-    assert "has 8.8 of the area predicted (0.3 to 2 are accepted)" in text
+    assert "has 8.8 times the expected area (accepted: 0.3 to 2)" in text
 
 
 def test_a_center_without_patches_round_it() -> None:
     drawn, x, y = picture()
     drawn.paint_robot("blue", "----", x, y, 0.0)
-    assert "with no patch of ssl-standard round" in said(drawn)
+    assert "without another patch of pattern ssl-standard near" in said(drawn)
 
 
 def test_too_little_confidence() -> None:
     drawn, x, y = picture()
     drawn.paint_robot("blue", CODES[0], x, y, 0.0)
-    assert "below robots.min_confidence 0.99: 5 of 5 patches" in said(drawn, min_confidence=0.99)
+    assert "below robots.min_confidence = 0.99: 5 of the 5 patches of pattern ssl-standard are found" in said(
+        drawn, min_confidence=0.99
+    )
 
 
 @pytest.mark.parametrize(
-    ("paint", "expected"), [("", "is missing: nothing pink or green"), ("orange", "is orange, not pink or green")]
+    ("paint", "expected"),
+    [("", "is missing: there is nothing pink or green"), ("orange", "is orange, not pink or green")],
 )
 def test_what_is_in_a_missing_patchs_place(paint: str, expected: str) -> None:
     drawn, x, y = picture()
@@ -62,15 +65,15 @@ def test_what_is_in_a_missing_patchs_place(paint: str, expected: str) -> None:
     if paint:
         drawn.paint_disc(paint, x - 0.0548, y + 0.035, 0.02, SSL.robot.height_m)
     text = said(drawn)
-    assert "is not read: 4 of 5 patches of ssl-standard" in text
-    assert f"the patch back left {expected}" in text
+    assert "has no id: 4 of the 5 patches of pattern ssl-standard are found" in text
+    assert f"the back left patch {expected}" in text
 
 
 def test_two_robots_with_one_id() -> None:
     drawn, x, y = picture(2.6)
     drawn.paint_robot("blue", CODES[3], x - 0.1, y, 0.3)
     drawn.paint_robot("blue", CODES[3], x + 0.1, y, 1.3)
-    assert "two robots wear blue 3" in said(drawn)
+    assert "two robots have the marker of blue 3, so none of them has an id" in said(drawn)
 
 
 def test_a_code_that_no_id_has() -> None:
@@ -78,7 +81,7 @@ def test_a_code_that_no_id_has() -> None:
     drawn = empty_picture(square)
     pose = (*middle(drawn, square.robot.height_m), 0.5)
     drawn.paint_pattern(square, "blue", "RR", pose)
-    assert "wears RR, which is no id of vsss-three-patch" in said(drawn, "vsss-three-patch")
+    assert "has the code RR, which is no id of pattern vsss-three-patch" in said(drawn, "vsss-three-patch")
 
 
 def test_markers_of_another_league_are_recognized() -> None:
@@ -87,4 +90,4 @@ def test_markers_of_another_league_are_recognized() -> None:
     x, y = middle(drawn, square.robot.height_m)
     drawn.paint_pattern(square, "blue", square.code_by_id[2], (x - 0.045, y, 0.5))
     drawn.paint_pattern(square, "blue", square.code_by_id[9], (x + 0.045, y, 2.5))
-    assert "robots.pattern 'vsss-three-patch' 2 robots would be read" in said(drawn)
+    assert "robots.pattern = 'vsss-three-patch' 2 robots would be identified" in said(drawn)

@@ -1,9 +1,7 @@
-"""Why no ball was found, for people: slow, and asked only when somebody wants to know."""
+"""Why no ball is found, in sentences for people. Slow, and never on the hot path."""
 
 from collections import Counter
 
-from vision_core.geometry import Bytes
-from vision_core.models.camera_kernels import CameraMap
 from vision_core.objects.ball.finder import (
     GATES,
     OFF_FIELD,
@@ -19,49 +17,48 @@ from vision_core.objects.ball.finder import (
     judged,
     stopping_gate,
 )
+from vision_core.objects.observation import Observation
 from vision_core.types.tables import Table
 
 
 def explain_balls(
-    blobs: Table, count: int, pixels: Bytes, classes: Bytes, camera: CameraMap,
-    robots: Table, robot_count: int, finder: BallFinder, color: str,
+    seen: Observation, robots: Table, robot_count: int, finder: BallFinder, color: str
 ) -> tuple[str, ...]:  # fmt: skip
-    """How many blobs each gate of ``find_balls`` stopped, and the nearest to a ball with its numbers; () with a ball.
+    """How many blobs each gate of ``find_balls`` stopped, and the best of them with its numbers; () with a ball.
 
-    The arguments of ``find_balls``; color: the name of the ball's class. The nearest is the one that came through
-    most gates, and of these the one most like a ball.
+    Takes the arguments of ``find_balls``; color: name of the ball's class. The best blob is the one that passed the
+    most gates, and of several the one with the highest confidence.
     """
-    rows = [blob for blob in blobs[:count] if blob["color"] == finder.color]
-    if not rows:
+    blobs = [blob for blob in seen.blobs[: seen.blob_count] if blob["color"] == finder.color]
+    if not blobs:
         return (f"no ball: no {color} blob",)
-    found = [judged(blob, pixels, classes, camera, robots, robot_count, finder) for blob in rows]
-    gates = [stopping_gate(candidate, finder) for candidate in found]
+    candidates = [judged(blob, seen, robots, robot_count, finder) for blob in blobs]
+    gates = [stopping_gate(candidate, finder) for candidate in candidates]
     if PASSED in gates:
         return ()
     stopped = Counter(gates)
     parts = [f"{stopped[gate]} {name}" for gate, name in enumerate(GATES) if stopped[gate]]
-    nearest = max(range(len(rows)), key=lambda row: (gates[row], found[row].confidence))
-    blob, candidate = rows[nearest], found[nearest]
-    where = f"blob at ({blob['x_px']:.0f}, {blob['y_px']:.0f}) px"
+    best = max(range(len(blobs)), key=lambda row: (gates[row], candidates[row].confidence))
+    place = f"({blobs[best]['x_px']:.0f}, {blobs[best]['y_px']:.0f}) px"
     return (
-        f"no ball: {len(rows)} {color} blobs: {', '.join(parts)}",
-        f"nearest to a ball: {where} {_numbers(gates[nearest], candidate, finder)}",
+        f"no ball: {len(blobs)} {color} {'blob' if len(blobs) == 1 else 'blobs'}: {', '.join(parts)}",
+        f"the best candidate for the ball, at {place}, {_numbers(gates[best], candidates[best], finder)}",
     )
 
 
 def _numbers(gate: int, blob: Candidate, finder: BallFinder) -> str:
-    """What stopped a blob, with the value found and the value accepted."""
-    predicted = f"has {blob.share:.2g} of the area that camera height and ball radius predict"
+    """What stopped a blob, with the value found and the values accepted."""
+    area = f"has {blob.area_ratio:.2g} times the area expected from camera height and ball radius"
     texts = {
         OFF_FIELD: f"lies at ({blob.x_m:.2f}, {blob.y_m:.2f}) m, off the field",
-        TOO_SMALL: f"{predicted}; accepted: {finder.min_area:g} and more",
-        TOO_LARGE: f"{predicted}; accepted: {finder.max_area:g} and less",
-        TOO_LONG: f"is {blob.elongation:.1f} times as long as wide; accepted: {finder.max_elongation:g}",
-        TOO_RAGGED: f"fills {blob.fill:.2f} of its box; accepted: {finder.min_fill:g} and more",
+        TOO_SMALL: f"{area}; accepted: {finder.min_area:g} or more",
+        TOO_LARGE: f"{area}; accepted: {finder.max_area:g} or less",
+        TOO_LONG: f"is {blob.elongation:.1f} times as long as wide; accepted: {finder.max_elongation:g} or less",
+        TOO_RAGGED: f"fills {blob.fill:.2f} of its bounding box; accepted: {finder.min_fill:g} or more",
         ON_ROBOT: f"lies {blob.robot_m * 1000.0:.0f} mm from a robot's center; accepted: "
-        f"{finder.inside_robot_m * 1000.0:.0f} and more",
-        WRONG_SURROUNDINGS: f"has {blob.surrounding:.2f} of the wanted classes round it; accepted: "
-        f"{finder.min_surrounding:g} and more",
+        f"{finder.inside_robot_m * 1000.0:.0f} or more",
+        WRONG_SURROUNDINGS: f"has a color of ball.surrounding on {blob.surrounding:.0%} of the ring round it; "
+        f"accepted: {finder.min_surrounding:.0%} or more",
     }
-    least = f"has confidence {blob.confidence:.2f}; accepted: {finder.min_confidence:g} and more"
-    return texts.get(gate, f"{least} ({predicted}, elongation {blob.elongation:.1f})")
+    confidence = f"has confidence {blob.confidence:.2f}; accepted: {finder.min_confidence:g} or more"
+    return texts.get(gate, f"{confidence} (it {area} and is {blob.elongation:.1f} times as long as wide)")

@@ -1,7 +1,7 @@
 """Robots by their markers.
 
-``finder`` (one compiled call) over ``hypothesis_generation`` (ways to see a robot at a blob), ``pose_fit`` (which
-blobs, which pose), ``conflict_resolution`` (best first, none overlap) and ``pose_refinement`` (sub-pixel);
-``markers`` (a pattern as the finder needs it), ``shapes`` (patches by outline), ``buffers`` (memory taken once),
-``reasons`` (why a robot is not seen or not read).
+``finder`` (one compiled call) over ``hypothesis_generation`` (ways to see a robot at each blob of its team's color),
+``pose_fit`` (the blobs and the pose of one of them), ``conflict_resolution`` (the best that do not overlap) and
+``pose_refinement`` (sub-pixel); ``markers`` (a pattern as the finder needs it), ``shapes`` (a patch's outline),
+``buffers`` (memory allocated once), ``reasons`` (why a robot is not found or has no id).
 """

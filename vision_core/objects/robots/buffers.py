@@ -1,102 +1,119 @@
-"""Room that finding robots needs, taken once, and the limits it keeps to."""
+"""Memory that finding robots works in, allocated once, and the limits of its tables."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.geometry import Floats
-from vision_core.objects.circle_fit import center_memory
-from vision_core.objects.robots.shapes import SHAPE_LENGTH
+from vision_core.geometry import Floats, Mask
+from vision_core.objects.circle_fit import circle_buffer
+from vision_core.objects.robots.shapes import MEASURED_SHAPE
 from vision_core.types.tables import MAX_ROBOTS, ROBOT, Table
 
 MAX_SLOTS = 8
+"""Patches of a marker beside the team's patch."""
 
-SCORE, TEAM, ANCHOR, X, Y, HEADING, MATCHED, SHAPED, STEADY, ROOM, MISFIT, FIRST_SLOT = range(12)
-"""Columns of a hypothesis: its score 0..1, the number of its team, its anchor blob, its pose [m, rad], how many slots
-it fills, whether the anchor's shape is known (2: and alone tells the heading), how firmly that does [m], radius of the
-room that it takes [m], the sum of squared residuals in squared tolerances, then for each slot the blob there, -1 for
-none."""
-ROW_LENGTH = FIRST_SLOT + MAX_SLOTS
+MAX_HYPOTHESES = 4096
+"""Per frame; a frame of robots has two hundred."""
 
-MAX_ROWS = 4096
-"""Hypotheses of a frame; a frame of robots has two hundred."""
-
-BUCKETS = 64
+GRID_CELLS = 64
 """Of the grid of blobs, per axis."""
 
-MAX_NEAR = 24
-"""Blobs looked at round one anchor; a real robot has as many as its pattern."""
+MAX_NEIGHBORS = 24
+"""Blobs round one anchor that are considered; a real robot has as many as its pattern."""
 
-BLOB, ALONG, ACROSS, FIRST_LIKENESS = range(4)
-"""Columns of a blob near an anchor: its number, its place from there [m], and how like each slot's patch it is, 0..1;
-0: it is not."""
+NO_BLOB = -1
+
+NO_SHAPE, SHAPE_MEASURED, HEADING_BY_SHAPE = range(3)
+"""What the anchor's shape contributes to a hypothesis: nothing, a part of the score, or the heading by itself."""
+
+HYPOTHESIS = np.dtype(
+    [
+        ("score", np.float64), ("x_m", np.float64), ("y_m", np.float64), ("heading_rad", np.float64),
+        ("heading_stiffness_m", np.float64), ("exclusion_radius_m", np.float64), ("misfit", np.float64),
+        ("team", np.int32), ("anchor", np.int32), ("matched", np.int32), ("shape_evidence", np.int32),
+        ("slot_blobs", np.int32, (MAX_SLOTS,)),
+    ]
+)  # fmt: skip
+"""A way to see a robot: score 0..1, pose, how firmly the anchor's shape holds the heading (``heading_sd``), radius in
+which no other robot can stand, sum of the squared residuals over the squared tolerance, number of the team, anchor
+blob, slots with a blob, what the anchor's shape contributes, and the blob in each slot (NO_BLOB: none)."""
+
+NEIGHBOR = np.dtype(
+    [("x_m", np.float64), ("y_m", np.float64), ("area_scores", np.float64, (MAX_SLOTS,)), ("blob", np.int64)]
+)
+"""A blob near an anchor: its place relative to the anchor, its area's score for each slot, 0..1 (0: it cannot fill the
+slot), and its row in the table of blobs."""
 
 
 class Gates(NamedTuple):
-    """What settings accept."""
+    """The limits of what is accepted, from the settings."""
 
     min_area: float
+    """Of a patch, as a share of the area predicted."""
     max_area: float
     tolerance_m: float
+    """Distance of a patch from its place in the fitted marker."""
     min_confidence: float
-    center_floor_px: float
-    edge_floor_px: float
-    field_m: Floats
-    """Half extents x, y of where robots may be, and of that with the goals, shape (4,)."""
+    circle_sd_px: float
+    """Deviation of a refined circle's center that is never undercut."""
+    polygon_sd_px: float
+    """The same of a polygon's centroid."""
+    extents_m: Floats
+    """Where robots are accepted, see ``field_limits``; shape (4,)."""
 
 
-class Memory(NamedTuple):
+class FinderBuffers(NamedTuple):
     """Filled anew for every frame."""
 
     places: Floats
-    """x, y at marker height [m] and area [m^2] of blobs, for each team, shape (2, blobs, 3)."""
+    """x, y at marker height [m] and area [m^2] of each blob, for each team; shape (2, blobs, 3)."""
     listed: NDArray[np.int32]
-    """Blobs that a team may wear, shape (blobs,)."""
-    heads: NDArray[np.int32]
-    """First blob of each cell of the grid, -1 for none; shape (64, 64)."""
-    nexts: NDArray[np.int32]
+    """Blobs that may belong to a team's robot, shape (blobs,)."""
+    cell_heads: NDArray[np.int32]
+    """First blob of each grid cell, or NO_BLOB; shape (64, 64)."""
+    next_in_cell: NDArray[np.int32]
     """The next blob of the same cell, shape (blobs,)."""
-    near: Floats
-    """Blobs round an anchor, columns as named above; shape (24, 11)."""
-    filled: NDArray[np.int32]
-    """The one of them that each slot has, -1 for none; shape (8,)."""
-    shape: Floats
-    """Of the anchor in question, shape (9,)."""
-    rows: Floats
-    """Shape (4096, 20), columns as named above."""
+    neighbors: Table
+    """Blobs round the anchor in question, NEIGHBOR, shape (24,)."""
+    assigned: NDArray[np.int32]
+    """Neighbor in each slot, or NO_BLOB; shape (8,)."""
+    anchor_shape: Table
+    """Of the anchor in question, MEASURED_SHAPE, shape (1,)."""
+    hypotheses: Table
+    """HYPOTHESIS, shape (4096,)."""
     order: NDArray[np.int32]
-    """Rows, best first; shape (4096,)."""
-    used: NDArray[np.bool_]
-    """Blobs that a winner wears, shape (blobs,)."""
-    winners: NDArray[np.int32]
-    """Rows that won, shape (64,)."""
-    ambiguous: NDArray[np.bool_]
+    """Hypotheses, best first; shape (4096,)."""
+    used: Mask
+    """Whether a selected hypothesis has the blob, shape (blobs,)."""
+    selected: NDArray[np.int32]
+    """Hypotheses that are robots, shape (64,)."""
+    ambiguous: Mask
     """Whether their headings are, shape (64,)."""
     centers: Floats
-    """x, y [m], weight [1/m^2] of a winner's patches, the anchor's first; weight 0: there is none. Shape (9, 3)."""
-    rim: Floats
-    """What refining a center needs."""
+    """x, y [m] and weight [1/m^2] of a robot's patches, the anchor first; weight 0: not seen. Shape (9, 3)."""
+    circle: Floats
+    """Of ``circle_buffer``."""
     found: Table
-    """Robots before they are put in order, shape (64,)."""
+    """Robots before they are ordered, shape (64,)."""
 
 
-def take_memory(most_blobs: int) -> Memory:
-    """Room for frames of so many blobs."""
-    return Memory(
-        places=np.zeros((2, most_blobs, 3)),
-        listed=np.zeros(most_blobs, dtype=np.int32),
-        heads=np.full((BUCKETS, BUCKETS), -1, dtype=np.int32),
-        nexts=np.zeros(most_blobs, dtype=np.int32),
-        near=np.zeros((MAX_NEAR, FIRST_LIKENESS + MAX_SLOTS)),
-        filled=np.full(MAX_SLOTS, -1, dtype=np.int32),
-        shape=np.zeros(SHAPE_LENGTH),
-        rows=np.zeros((MAX_ROWS, ROW_LENGTH)),
-        order=np.zeros(MAX_ROWS, dtype=np.int32),
-        used=np.zeros(most_blobs, dtype=np.bool_),
-        winners=np.zeros(MAX_ROBOTS, dtype=np.int32),
+def finder_buffers(max_blobs: int) -> FinderBuffers:
+    """Buffers for frames of at most so many blobs."""
+    return FinderBuffers(
+        places=np.zeros((2, max_blobs, 3)),
+        listed=np.zeros(max_blobs, dtype=np.int32),
+        cell_heads=np.full((GRID_CELLS, GRID_CELLS), NO_BLOB, dtype=np.int32),
+        next_in_cell=np.zeros(max_blobs, dtype=np.int32),
+        neighbors=np.zeros(MAX_NEIGHBORS, dtype=NEIGHBOR),
+        assigned=np.full(MAX_SLOTS, NO_BLOB, dtype=np.int32),
+        anchor_shape=np.zeros(1, dtype=MEASURED_SHAPE),
+        hypotheses=np.zeros(MAX_HYPOTHESES, dtype=HYPOTHESIS),
+        order=np.zeros(MAX_HYPOTHESES, dtype=np.int32),
+        used=np.zeros(max_blobs, dtype=np.bool_),
+        selected=np.zeros(MAX_ROBOTS, dtype=np.int32),
         ambiguous=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         centers=np.zeros((1 + MAX_SLOTS, 3)),
-        rim=center_memory(),
+        circle=circle_buffer(),
         found=np.zeros(MAX_ROBOTS, dtype=ROBOT),
     )

@@ -1,72 +1,77 @@
-"""Hypotheses compete: best first, a blob serves once, and robots do not stand in one another. Compiled kernels."""
+"""Conflict resolution: which hypotheses are robots. Compiled kernels.
+
+Best first; a blob belongs to one robot at most, and robots do not overlap.
+"""
 
 import math
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.geometry import Floats
+from vision_core.geometry import Mask
+from vision_core.native.angles import wrap_angle
 from vision_core.native.kernels import kernel
-from vision_core.objects.robots.buffers import (
-    ANCHOR,
-    FIRST_SLOT,
-    HEADING,
-    MATCHED,
-    ROOM,
-    ROW_LENGTH,
-    SCORE,
-    TEAM,
-    Memory,
-    X,
-    Y,
-)
-from vision_core.types.tables import MAX_ROBOTS
+from vision_core.objects.robots.buffers import MAX_SLOTS, FinderBuffers
+from vision_core.types.tables import MAX_ROBOTS, Table
+
+Row: TypeAlias = Any
+"""One row of a table."""
 
 RIVAL_SCORE = 0.8
 RIVAL_TURN_RAD = math.radians(10.0)
-"""A hypothesis for the same anchor with as many patches, this share of the score and this much turned makes the
-heading ambiguous."""
+"""A hypothesis with the same anchor makes the selected one's heading ambiguous when it has as many patches, at least
+this share of its score, and a heading at least so different."""
 
 
 @kernel
-def compete(count: int, memory: Memory) -> int:
-    """List the rows that win, and whether the heading of each is ambiguous; how many there are."""
-    rows, order, used = memory.rows, memory.order, memory.used
+def select_non_overlapping(count: int, buffers: FinderBuffers) -> int:
+    """Select the best of ``count`` hypotheses and mark those whose heading is ambiguous; how many are selected."""
+    hypotheses, order, used = buffers.hypotheses, buffers.order, buffers.used
+    # best first; no blob is used yet
     for number in range(count):
         order[number] = number
-        used[int(rows[number, ANCHOR])] = False
-        for column in range(FIRST_SLOT, ROW_LENGTH):
-            if rows[number, column] >= 0:
-                used[int(rows[number, column])] = False
-    _sort(rows, order, count)
-    won = int(np.int64(0))  # a plain 0 is a type of its own, for which all that it is passed to is compiled twice
+        _mark_blobs(hypotheses[number], used, False)
+    _sort(hypotheses, order, count)
+    selected = int(np.int64(0))  # a plain 0 has a type of its own, and every function it is passed to compiles twice
     for place in range(count):
         number = order[place]
-        row = rows[number]
-        winner = _winner_of(row, rows, memory.winners, won)
-        if winner >= 0:
-            if _is_rival(row, rows[memory.winners[winner]]):
-                memory.ambiguous[winner] = True
-        elif won < MAX_ROBOTS and _is_free(row, used) and _has_room(row, rows, memory.winners, won):
-            memory.winners[won], memory.ambiguous[won] = number, False
-            won += 1
-            used[int(row[ANCHOR])] = True
-            for column in range(FIRST_SLOT, ROW_LENGTH):
-                if row[column] >= 0:
-                    used[int(row[column])] = True
-    return won
+        hypothesis = hypotheses[number]
+        same_anchor = _selected_with_anchor(hypothesis, hypotheses, buffers.selected, selected)
+        if same_anchor >= 0:
+            # the anchor is a robot already: this one is at most a rival for its heading
+            if _is_rival(hypothesis, hypotheses[buffers.selected[same_anchor]]):
+                buffers.ambiguous[same_anchor] = True
+        elif (
+            selected < MAX_ROBOTS
+            and _has_free_blobs(hypothesis, used)
+            and _has_free_space(hypothesis, hypotheses, buffers.selected, selected)
+        ):
+            buffers.selected[selected], buffers.ambiguous[selected] = number, False
+            selected += 1
+            _mark_blobs(hypothesis, used, True)
+    return selected
 
 
 @kernel
-def _sort(rows: Floats, order: NDArray[np.int32], count: int) -> None:
-    """Shell's sort: in place, and as good as any for some hundred rows; best first, ties as they came."""
+def _mark_blobs(hypothesis: Row, used: Mask, value: bool) -> None:
+    """Mark the blobs of a hypothesis as used or unused."""
+    used[hypothesis.anchor] = value
+    for slot in range(MAX_SLOTS):
+        if hypothesis.slot_blobs[slot] >= 0:
+            used[hypothesis.slot_blobs[slot]] = value
+
+
+@kernel
+def _sort(hypotheses: Table, order: NDArray[np.int32], count: int) -> None:
+    """Shellsort in place, fast enough for some hundred rows: best first, equal ones in their order."""
     gap = 1
     while gap < count // 3:
         gap = 3 * gap + 1
     while gap > 0:
         for i in range(gap, count):
             here, j = order[i], i
-            while j >= gap and _comes_before(rows, here, order[j - gap]):
+            while j >= gap and _comes_before(hypotheses, here, order[j - gap]):
                 order[j] = order[j - gap]
                 j -= gap
             order[j] = here
@@ -74,44 +79,49 @@ def _sort(rows: Floats, order: NDArray[np.int32], count: int) -> None:
 
 
 @kernel
-def _comes_before(rows: Floats, one: int, other: int) -> bool:
-    before: bool = rows[one, SCORE] > rows[other, SCORE] or (rows[one, SCORE] == rows[other, SCORE] and one < other)
+def _comes_before(hypotheses: Table, one: int, other: int) -> bool:
+    first, second = hypotheses[one].score, hypotheses[other].score
+    before: bool = first > second or (first == second and one < other)
     return before
 
 
 @kernel
-def _winner_of(row: Floats, rows: Floats, winners: NDArray[np.int32], won: int) -> int:
-    """The winner that has the same anchor, -1 for none."""
-    for winner in range(won):
-        if rows[winners[winner], ANCHOR] == row[ANCHOR] and rows[winners[winner], TEAM] == row[TEAM]:
-            return winner
+def _selected_with_anchor(hypothesis: Row, hypotheses: Table, selected: NDArray[np.int32], count: int) -> int:
+    """Number of the selected hypothesis with the same anchor, -1 for none."""
+    for number in range(count):
+        other = hypotheses[selected[number]]
+        if other.anchor == hypothesis.anchor and other.team == hypothesis.team:
+            return number
     return -1
 
 
 @kernel
-def _is_rival(row: Floats, winner: Floats) -> bool:
-    if row[MATCHED] == 0 or row[MATCHED] < winner[MATCHED] or row[SCORE] < RIVAL_SCORE * winner[SCORE]:
+def _is_rival(hypothesis: Row, selected: Row) -> bool:
+    """Whether a hypothesis explains the same anchor about as well with another heading."""
+    if hypothesis.matched == 0 or hypothesis.matched < selected.matched:
         return False
-    turn = (row[HEADING] - winner[HEADING] + math.pi) % (2.0 * math.pi) - math.pi
-    turned: bool = abs(turn) > RIVAL_TURN_RAD
+    if hypothesis.score < RIVAL_SCORE * selected.score:
+        return False
+    turned: bool = abs(wrap_angle(hypothesis.heading_rad - selected.heading_rad)) > RIVAL_TURN_RAD
     return turned
 
 
 @kernel
-def _is_free(row: Floats, used: NDArray[np.bool_]) -> bool:
-    """Whether no winner wears one of its blobs."""
-    taken: bool = used[int(row[ANCHOR])]
-    for column in range(FIRST_SLOT, ROW_LENGTH):
-        taken |= row[column] >= 0 and used[int(row[column])]
+def _has_free_blobs(hypothesis: Row, used: Mask) -> bool:
+    """Whether no selected hypothesis has one of its blobs."""
+    taken: bool = used[hypothesis.anchor]
+    for slot in range(MAX_SLOTS):
+        taken |= hypothesis.slot_blobs[slot] >= 0 and used[hypothesis.slot_blobs[slot]]
     return not taken
 
 
 @kernel
-def _has_room(row: Floats, rows: Floats, winners: NDArray[np.int32], won: int) -> bool:
-    """Whether it stands in no winner."""
-    for winner in range(won):
-        other = rows[winners[winner]]
-        spacing = row[ROOM] + other[ROOM]
-        if (row[X] - other[X]) ** 2 + (row[Y] - other[Y]) ** 2 < spacing * spacing:
+def _has_free_space(hypothesis: Row, hypotheses: Table, selected: NDArray[np.int32], count: int) -> bool:
+    """Whether it overlaps no selected robot."""
+    for number in range(count):
+        other = hypotheses[selected[number]]
+        spacing = hypothesis.exclusion_radius_m + other.exclusion_radius_m
+        dx, dy = hypothesis.x_m - other.x_m, hypothesis.y_m - other.y_m
+        if dx**2 + dy**2 < spacing * spacing:
             return False
     return True

@@ -1,226 +1,249 @@
-"""Ways to see a robot of a team at each blob of its color, as compiled kernels."""
+"""Hypotheses: ways to see a robot of a team at each blob of the team's color. Compiled kernels."""
 
 import math
+from typing import Any, TypeAlias
 
-from vision_core.geometry import Bytes, Floats
-from vision_core.models.camera_kernels import CameraMap, field_and_scale, field_from_pixel
+from vision_core.models.camera_kernels import field_and_scale, field_from_pixel
 from vision_core.native.kernels import kernel
+from vision_core.objects.field_limits import is_accepted
+from vision_core.objects.observation import Observation
 from vision_core.objects.robots.buffers import (
-    ACROSS,
-    ALONG,
-    ANCHOR,
-    BLOB,
-    BUCKETS,
-    FIRST_LIKENESS,
-    FIRST_SLOT,
-    HEADING,
-    MATCHED,
-    MAX_NEAR,
-    MAX_ROWS,
+    GRID_CELLS,
+    HEADING_BY_SHAPE,
+    MAX_HYPOTHESES,
+    MAX_NEIGHBORS,
     MAX_SLOTS,
-    ROOM,
-    SCORE,
-    SHAPED,
-    STEADY,
-    TEAM,
+    NO_BLOB,
+    NO_SHAPE,
+    SHAPE_MEASURED,
+    FinderBuffers,
     Gates,
-    Memory,
-    X,
-    Y,
 )
-from vision_core.objects.robots.markers import ANCHOR as MAY_ANCHOR
-from vision_core.objects.robots.markers import REFUSED, Marker
-from vision_core.objects.robots.markers import SLOT as MAY_FILL
-from vision_core.objects.robots.pose_fit import GATHER, gather, is_known, judge, keep, write_blobs
-from vision_core.objects.robots.shapes import STEADY as SHAPE_STEADY
-from vision_core.objects.robots.shapes import agreement, alike, heading_from, measure_shape
-from vision_core.types.tables import Table
+from vision_core.objects.robots.markers import ANCHOR_ROLE, NO_DIGIT, SLOT_ROLE, Marker
+from vision_core.objects.robots.pose_fit import (
+    GATHER_TOLERANCES,
+    assign_blobs,
+    fit_and_score,
+    is_duplicate,
+    keep_best,
+    record_blobs,
+)
+from vision_core.objects.robots.shapes import aspect_score, heading_from_shape, heading_score, measure_shape
 
-SHAPE_SAYS = 0.4
-"""How much of a hypothesis' score its anchor's shape decides."""
+Row: TypeAlias = Any
+"""One row of a table."""
 
-NEAREST, NEAREST_WHOLE = 0.8, 0.55
-"""Centers nearer than this share of their radii's sum cannot both be robots; nor whole markers, whose bodies may be
-narrower than their outline says."""
+SHAPE_WEIGHT = 0.4
+"""Part of a hypothesis' score that its anchor's shape decides."""
 
-LESS = 0.999
-"""A hypothesis that is a part of another one comes after it."""
+EXCLUSION, EXCLUSION_WHOLE = 0.8, 0.55
+"""Exclusion radius as a share of the robot's radius: two robots cannot be nearer than the sum of theirs. It is smaller
+for complete markers, whose bodies may be narrower than the outline in the settings."""
 
-SURE, OTHER = 0.75, 0.75
-"""An anchor's shape tells the heading alone when it agrees so well, and with any other heading so much less."""
+ANCHOR_ONLY = 0.999
+"""The score of an anchor alone is at most this share of the worst hypothesis with more patches."""
+
+MIN_SHAPE_SCORE, MAX_ALTERNATIVE = 0.75, 0.75
+"""An anchor's shape determines the heading when it scores so well, and every clearly different heading at most this
+share of it."""
 
 
 @kernel
-def place_blobs(blobs: Table, count: int, camera: CameraMap, marker: Marker, gates: Gates, memory: Memory) -> int:
-    """Put the blobs that a team may wear on the field, those of its slots into the grid; how many are listed."""
-    places, heads = memory.places[marker.team], memory.heads
-    for row in range(BUCKETS):
-        for column in range(BUCKETS):
-            heads[row, column] = -1
-    cell = _reach(marker, gates)
+def locate_blobs(seen: Observation, marker: Marker, gates: Gates, buffers: FinderBuffers) -> int:
+    """List the blobs that may belong to a team's robot with their places on the field; how many there are.
+
+    Those that may fill a slot go into the grid, too.
+    """
+    places, heads = buffers.places[marker.team], buffers.cell_heads
+    for row in range(GRID_CELLS):
+        for column in range(GRID_CELLS):
+            heads[row, column] = NO_BLOB
+    cell = _max_reach_m(marker, gates)
     listed = 0
-    for blob in range(count):
-        worn = marker.wears[blobs[blob].color]
-        if worn == 0:
+    for blob in range(seen.blob_count):
+        role = marker.color_roles[seen.blobs[blob].color]
+        if role == 0:
             continue
-        x, y, scale2 = field_and_scale(camera, blobs[blob].x_px, blobs[blob].y_px, marker.height_m)
-        if not _is_accepted(x, y, marker.radius_m, gates.field_m):
+        # reject by place and area, in field units
+        x, y, scale2 = field_and_scale(seen.camera, seen.blobs[blob].x_px, seen.blobs[blob].y_px, marker.height_m)
+        if not is_accepted(x, y, marker.radius_m, gates.extents_m):
             continue
-        area = blobs[blob].area_px / scale2
-        if not area >= gates.min_area * marker.least_area_m2:
+        area = seen.blobs[blob].area_px / scale2
+        if not area >= gates.min_area * marker.min_area_m2:
             continue
         places[blob, 0], places[blob, 1], places[blob, 2] = x, y, area
-        memory.listed[listed] = blob
+        buffers.listed[listed] = blob
         listed += 1
-        if worn & MAY_FILL:
-            column, row = _bucket(x, cell), _bucket(y, cell)
-            memory.nexts[blob] = heads[row, column]
+        # each cell of the grid is a linked list of blobs
+        if role & SLOT_ROLE:
+            column, row = _grid_cell(x, cell), _grid_cell(y, cell)
+            buffers.next_in_cell[blob] = heads[row, column]
             heads[row, column] = blob
     return listed
 
 
 @kernel
-def _reach(marker: Marker, gates: Gates) -> float:
-    farthest: float = marker.reach_m[1] + GATHER * gates.tolerance_m
+def _max_reach_m(marker: Marker, gates: Gates) -> float:
+    """How far from the anchor a patch may be; the side of a grid cell."""
+    farthest: float = marker.reach_m[1] + GATHER_TOLERANCES * gates.tolerance_m
     return farthest
 
 
 @kernel
-def _is_accepted(x_m: float, y_m: float, radius_m: float, field_m: Floats) -> bool:
-    """Whether a patch of a robot may lie there: at most its radius outside of the field or a goal; False for nan."""
-    x, y = abs(x_m) - radius_m, abs(y_m) - radius_m
-    accepted: bool = (x <= field_m[0] and y <= field_m[1]) or (x <= field_m[2] and y <= field_m[3])
-    return accepted
+def _grid_cell(place_m: float, cell_m: float) -> int:
+    """Index of the cell along one axis; the grid repeats, so it covers any field."""
+    return math.floor(place_m / cell_m) % GRID_CELLS
 
 
 @kernel
-def _bucket(place_m: float, cell_m: float) -> int:
-    return math.floor(place_m / cell_m) % BUCKETS
+def area_score(ratio: float, gates: Gates) -> float:
+    """How near an area is to the predicted one, 0..1: the root of the smaller over the larger; 0 beyond the gates.
 
-
-@kernel
-def likeness_of(share: float, gates: Gates) -> float:
-    """How near an area is to the predicted one, 0..1: the root of the smaller over the larger; 0 beyond the gates."""
-    if not gates.min_area <= share <= gates.max_area:
-        return 0.0
-    return math.sqrt(min(share, 1.0 / share))
-
-
-@kernel
-def propose(
-    blobs: Table, listed: int, pixels: Bytes, classes: Bytes, camera: CameraMap, marker: Marker, gates: Gates,
-    memory: Memory, count: int,
-) -> int:  # fmt: skip
-    """Add the hypotheses of a team to those that there are; how many there are then.
-
-    The score is the share of the marker's painted area that is there * (1 - (rms residual / tolerance)^2) * mean
-    likeness of the areas * how well the anchor's shape agrees.
+    ratio: of the area to the predicted one.
     """
-    places, rows, filled = memory.places[marker.team], memory.rows, memory.filled
+    if not gates.min_area <= ratio <= gates.max_area:
+        return 0.0
+    return math.sqrt(min(ratio, 1.0 / ratio))
+
+
+@kernel
+def generate_hypotheses(
+    seen: Observation, listed: int, marker: Marker, gates: Gates, buffers: FinderBuffers, count: int
+) -> int:
+    """Append the hypotheses of a team to the first ``count``; the new count.
+
+    The score is the coverage of the marker's painted area * (1 - (rms residual / tolerance)^2) * mean area score * how
+    well the anchor's shape agrees with the heading. listed: result of ``locate_blobs``.
+    """
+    places, hypotheses, assigned = buffers.places[marker.team], buffers.hypotheses, buffers.assigned
+    anchor_shape = buffers.anchor_shape[0]
     for slot in range(MAX_SLOTS):
-        filled[slot] = -1
-    look = marker.pointed or marker.shares[0] >= gates.min_confidence
+        assigned[slot] = NO_BLOB
+    needs_shape = marker.has_direction or marker.area_fractions[0] >= gates.min_confidence
     for k in range(listed):
-        anchor = memory.listed[k]
-        like = likeness_of(places[anchor, 2] / marker.anchor_area_m2, gates)
-        if like == 0.0 or not marker.wears[blobs[anchor].color] & MAY_ANCHOR:
+        # every listed blob of the team's color and of about the right area is an anchor
+        anchor = buffers.listed[k]
+        anchor_score = area_score(places[anchor, 2] / marker.anchor_area_m2, gates)
+        if anchor_score == 0.0 or not marker.color_roles[seen.blobs[anchor].color] & ANCHOR_ROLE:
             continue
-        shaped = look and _see_shape(blobs, anchor, pixels, classes, camera, marker.height_m, memory.shape)
-        near = _look_round(blobs, anchor, marker, gates, memory) if len(marker.arms_m) else 0
+        has_shape = needs_shape and _measure_anchor_shape(seen, anchor, marker.height_m, anchor_shape)
+        near = gather_neighbors(seen, anchor, marker, gates, buffers) if len(marker.slot_offsets_m) else 0
         start = count
+        # every pair of a neighbor and a slot fixes a heading
         for first in range(near):
-            for slot in range(len(marker.arms_m)):
-                if count + 2 > MAX_ROWS:
+            for slot in range(len(marker.slot_offsets_m)):
+                if count + 2 > MAX_HYPOTHESES:
                     return count
-                row = rows[count]
-                if not gather(memory.near, near, marker.arms_m, gates.tolerance_m, first, slot, filled):
+                hypothesis = hypotheses[count]
+                if not assign_blobs(
+                    buffers.neighbors, near, marker.slot_offsets_m, gates.tolerance_m, first, slot, assigned
+                ):
                     continue
-                write_blobs(memory.near, filled, anchor, marker.team, row)
-                if is_known(rows, start, count):
+                record_blobs(buffers.neighbors, assigned, anchor, marker.team, hypothesis)
+                if is_duplicate(hypotheses, start, count):
                     continue
-                judge(memory.near, marker.arms_m, marker.shares, gates.tolerance_m, like, filled, row)
-                write_blobs(memory.near, filled, anchor, marker.team, row)
-                if row[SCORE] >= gates.min_confidence:
-                    c, s = math.cos(row[HEADING]), math.sin(row[HEADING])
-                    row[X] += places[anchor, 0] - c * marker.anchor_m[0] + s * marker.anchor_m[1]
-                    row[Y] += places[anchor, 1] - s * marker.anchor_m[0] - c * marker.anchor_m[1]
-                    whole = row[MATCHED] == len(marker.arms_m)
-                    row[SHAPED], row[ROOM] = shaped, (NEAREST_WHOLE if whole else NEAREST) * marker.radius_m
-                    if shaped:
-                        row[SCORE] *= 1.0 - SHAPE_SAYS * (1.0 - agreement(marker.shape, memory.shape, row[HEADING]))
-                    count = keep(rows, start, count)
-        if marker.shares[0] * like >= gates.min_confidence:
-            count += _alone(anchor, like, shaped, marker, gates, memory, start, count)
+                fit_and_score(
+                    buffers.neighbors, marker.slot_offsets_m, marker.area_fractions, gates.tolerance_m, anchor_score,
+                    assigned, hypothesis,
+                )  # fmt: skip
+                record_blobs(buffers.neighbors, assigned, anchor, marker.team, hypothesis)
+                if hypothesis.score >= gates.min_confidence:
+                    # from the anchor's place to the robot's center
+                    c, s = math.cos(hypothesis.heading_rad), math.sin(hypothesis.heading_rad)
+                    hypothesis.x_m += places[anchor, 0] - c * marker.anchor_m[0] + s * marker.anchor_m[1]
+                    hypothesis.y_m += places[anchor, 1] - s * marker.anchor_m[0] - c * marker.anchor_m[1]
+                    whole = hypothesis.matched == len(marker.slot_offsets_m)
+                    hypothesis.exclusion_radius_m = (EXCLUSION_WHOLE if whole else EXCLUSION) * marker.radius_m
+                    hypothesis.shape_evidence = SHAPE_MEASURED if has_shape else NO_SHAPE
+                    if has_shape:
+                        agreement = heading_score(marker.shape, anchor_shape, hypothesis.heading_rad)
+                        hypothesis.score *= 1.0 - SHAPE_WEIGHT * (1.0 - agreement)
+                    count = keep_best(hypotheses, start, count)
+        if marker.area_fractions[0] * anchor_score >= gates.min_confidence:
+            count += _add_anchor_only(anchor, anchor_score, has_shape, marker, gates, buffers, start, count)
     return count
 
 
 @kernel
-def _see_shape(
-    blobs: Table, anchor: int, pixels: Bytes, classes: Bytes, camera: CameraMap, height_m: float, shape: Floats
-) -> bool:  # fmt: skip
-    """Measure an anchor's shape; False if it has none."""
-    blob = blobs[anchor]
+def _measure_anchor_shape(seen: Observation, anchor: int, height_m: float, shape: Row) -> bool:
+    """Measure the shape of an anchor blob; False if it cannot be measured."""
+    blob = seen.blobs[anchor]
     x, y = blob.x_px, blob.y_px
-    left_x, left_y = field_from_pixel(camera, x - 1.0, y, height_m)
-    right_x, right_y = field_from_pixel(camera, x + 1.0, y, height_m)
-    up_x, up_y = field_from_pixel(camera, x, y - 1.0, height_m)
-    down_x, down_y = field_from_pixel(camera, x, y + 1.0, height_m)
+    # derivative of the field's coordinates by the pixel's, at the blob's center
+    left_x, left_y = field_from_pixel(seen.camera, x - 1.0, y, height_m)
+    right_x, right_y = field_from_pixel(seen.camera, x + 1.0, y, height_m)
+    up_x, up_y = field_from_pixel(seen.camera, x, y - 1.0, height_m)
+    down_x, down_y = field_from_pixel(seen.camera, x, y + 1.0, height_m)
     step = (0.5 * (right_x - left_x), 0.5 * (right_y - left_y), 0.5 * (down_x - up_x), 0.5 * (down_y - up_y))
     box = (blob.left, blob.top, blob.right, blob.bottom)
-    return measure_shape(pixels, classes, blob.color, blob.area_px, box, step, shape)
+    return measure_shape(seen.pixels, seen.classes, blob.color, blob.area_px, box, step, shape)
 
 
 @kernel
-def _look_round(blobs: Table, anchor: int, marker: Marker, gates: Gates, memory: Memory) -> int:
-    """List the blobs round an anchor that may fill a slot; how many there are."""
-    places, near, cell = memory.places[marker.team], memory.near, _reach(marker, gates)
+def gather_neighbors(seen: Observation, anchor: int, marker: Marker, gates: Gates, buffers: FinderBuffers) -> int:
+    """List the blobs round an anchor that may fill a slot in ``buffers.neighbors``; how many there are."""
+    places, neighbors, cell = buffers.places[marker.team], buffers.neighbors, _max_reach_m(marker, gates)
     x, y = places[anchor, 0], places[anchor, 1]
-    nearest = max(marker.reach_m[0] - GATHER * gates.tolerance_m, 0.0)
-    column, row = _bucket(x, cell), _bucket(y, cell)
+    nearest = max(marker.reach_m[0] - GATHER_TOLERANCES * gates.tolerance_m, 0.0)
+    column, row = _grid_cell(x, cell), _grid_cell(y, cell)
     count = 0
-    for across in range(row - 1, row + 2):
-        for along in range(column - 1, column + 2):
-            blob = memory.heads[across % BUCKETS, along % BUCKETS]
+    # the anchor's cell and the eight round it hold everything in reach
+    for cell_row in range(row - 1, row + 2):
+        for cell_column in range(column - 1, column + 2):
+            blob = buffers.cell_heads[cell_row % GRID_CELLS, cell_column % GRID_CELLS]
             while blob >= 0:
                 dx, dy = places[blob, 0] - x, places[blob, 1] - y
-                if nearest**2 <= dx * dx + dy * dy <= cell**2 and blob != anchor and count < MAX_NEAR:
-                    near[count, BLOB], near[count, ALONG], near[count, ACROSS] = blob, dx, dy
+                if nearest**2 <= dx * dx + dy * dy <= cell**2 and blob != anchor and count < MAX_NEIGHBORS:
+                    neighbor = neighbors[count]
+                    neighbor.blob, neighbor.x_m, neighbor.y_m = blob, dx, dy
+                    # by its color and area, which slots may it fill?
                     useful = False
                     for slot in range(len(marker.slots_m)):
-                        like = 0.0
-                        if marker.digits[slot, blobs[blob].color] != REFUSED:
-                            like = likeness_of(places[blob, 2] / marker.areas_m2[slot], gates)
-                        near[count, FIRST_LIKENESS + slot] = like
-                        useful |= like > 0.0
+                        score = 0.0
+                        if marker.digits[slot, seen.blobs[blob].color] != NO_DIGIT:
+                            score = area_score(places[blob, 2] / marker.areas_m2[slot], gates)
+                        neighbor.area_scores[slot] = score
+                        useful |= score > 0.0
                     count += useful
-                blob = memory.nexts[blob]
+                blob = buffers.next_in_cell[blob]
     return count
 
 
 @kernel
-def _alone(
-    anchor: int, like: float, shaped: bool, marker: Marker, gates: Gates, memory: Memory, start: int, count: int
+def _add_anchor_only(
+    anchor: int, anchor_score: float, has_shape: bool, marker: Marker, gates: Gates, buffers: FinderBuffers,
+    start: int, count: int,
 ) -> int:  # fmt: skip
-    """Fill a row with the anchor alone, which is less than anything with it; 1 if that may be a robot, else 0."""
-    least = 1.0
+    """Write the hypothesis of an anchor without other patches into row ``count``; 1 if it may be a robot, else 0.
+
+    Its score is lower than that of every other hypothesis of the same anchor, start..count.
+    """
+    limit = 1.0
     for other in range(start, count):
-        least = min(least, LESS * memory.rows[other, SCORE])
-    row = memory.rows[count]
-    score = marker.shares[0] * like * (alike(marker.shape, memory.shape) if shaped else 1.0)
-    row[SCORE] = min(least, score)
+        limit = min(limit, ANCHOR_ONLY * buffers.hypotheses[other].score)
+    hypothesis, shape = buffers.hypotheses[count], buffers.anchor_shape[0]
+    score = marker.area_fractions[0] * anchor_score * (aspect_score(marker.shape, shape) if has_shape else 1.0)
+    hypothesis.score = min(limit, score)
     if score < gates.min_confidence:
         return 0
-    row[TEAM], row[ANCHOR], row[MATCHED], row[SHAPED], row[STEADY], row[HEADING] = marker.team, anchor, 0, 0, 0, 0
+    hypothesis.team, hypothesis.anchor, hypothesis.matched = marker.team, anchor, 0
+    hypothesis.shape_evidence = SHAPE_MEASURED if has_shape else NO_SHAPE
+    hypothesis.heading_stiffness_m, hypothesis.heading_rad = 0.0, 0.0
     for slot in range(MAX_SLOTS):
-        row[FIRST_SLOT + slot] = -1
-    row[ROOM] = max(NEAREST * marker.radius_m - math.hypot(marker.anchor_m[0], marker.anchor_m[1]), 0.0)
-    row[X], row[Y] = memory.places[marker.team, anchor, 0], memory.places[marker.team, anchor, 1]
-    if shaped and marker.enough_shaped == 0:
-        heading, best, other_best = heading_from(marker.shape, memory.shape)
-        if best >= SURE and other_best <= OTHER * best:
+        hypothesis.slot_blobs[slot] = NO_BLOB
+    # without a heading the robot is taken to be at its anchor
+    offset = math.hypot(marker.anchor_m[0], marker.anchor_m[1])
+    hypothesis.exclusion_radius_m = max(EXCLUSION * marker.radius_m - offset, 0.0)
+    hypothesis.x_m, hypothesis.y_m = buffers.places[marker.team, anchor, 0], buffers.places[marker.team, anchor, 1]
+    # where the anchor's shape shows the heading, the robot's center follows from it
+    if has_shape and marker.min_slots_with_shape == 0:
+        heading, best, alternative = heading_from_shape(marker.shape, shape)
+        if best >= MIN_SHAPE_SCORE and alternative <= MAX_ALTERNATIVE * best:
             c, s = math.cos(heading), math.sin(heading)
-            row[HEADING], row[SHAPED], row[STEADY] = heading, 2, memory.shape[SHAPE_STEADY]
-            row[ROOM] = (NEAREST if len(marker.arms_m) else NEAREST_WHOLE) * marker.radius_m
-            row[X] -= c * marker.anchor_m[0] - s * marker.anchor_m[1]
-            row[Y] -= s * marker.anchor_m[0] + c * marker.anchor_m[1]
+            hypothesis.heading_rad, hypothesis.shape_evidence = heading, HEADING_BY_SHAPE
+            hypothesis.heading_stiffness_m = shape.heading_stiffness_m
+            exclusion = EXCLUSION if len(marker.slot_offsets_m) else EXCLUSION_WHOLE
+            hypothesis.exclusion_radius_m = exclusion * marker.radius_m
+            hypothesis.x_m -= c * marker.anchor_m[0] - s * marker.anchor_m[1]
+            hypothesis.y_m -= s * marker.anchor_m[0] + c * marker.anchor_m[1]
     return 1

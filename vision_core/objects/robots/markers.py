@@ -9,16 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.errors import SettingsError
-from vision_core.geometry import Floats, frozen
+from vision_core.geometry import Floats, Mask, frozen
 from vision_core.objects.robots.shapes import (
-    APART,
-    COARSE,
-    FIRST_MOMENT,
-    LONG,
-    SHAPE_LENGTH,
-    WIDE,
-    Shape,
-    agreement,
+    HEADING_STEPS,
+    MIN_STEPS_APART,
+    PatchShape,
+    heading_score,
+    measured_from,
     shape_from,
 )
 from vision_core.patterns.geometry import area_mm2, centroid_mm, inner_points_mm
@@ -27,72 +24,72 @@ from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import Team
 
-Numbers = NDArray[np.int64]
+Integers = NDArray[np.int64]
 Points = NDArray[np.complex128]
 
-ANCHOR, SLOT = 1, 2
-"""What blobs of a color class may be: bits."""
+ANCHOR_ROLE, SLOT_ROLE = 1, 2
+"""What a blob of a color class may be in a marker; bits."""
 
-REFUSED = -1
-"""A color class that a slot does not wear."""
+NO_DIGIT = -1
+"""The digit of a color class that a slot cannot have."""
 
-RIVAL_AGREEMENT = 0.5
-"""A heading with which the team patch's shape agrees less is out of the question."""
-ALONE_AGREEMENT = 0.7
-"""A team patch whose shape agrees less with every other heading tells it alone."""
+MIN_RIVAL_SCORE = 0.5
+"""A heading is ruled out when the team patch's shape scores less with it."""
+MAX_ALTERNATIVE_SCORE = 0.7
+"""The team patch's shape shows the heading by itself when all other headings score less."""
 
 
 class Marker(NamedTuple):
-    """A pattern in robot space (x forward, y left) [m]; the team's patch is the anchor, the others are slots."""
+    """A pattern in robot space (x forward, y left) [m]: the team's patch is the anchor, the other patches are slots."""
 
     team: int
     """Number of the team."""
     height_m: float
     radius_m: float
-    wears: NDArray[np.uint8]
-    """What blobs of each color class may be, shape (classes,)."""
+    color_roles: NDArray[np.uint8]
+    """What blobs of each color class may be, ANCHOR_ROLE | SLOT_ROLE; shape (classes,)."""
     anchor_class: int
     anchor_m: Floats
     """Shape (2,)."""
     anchor_area_m2: float
-    shape: Shape
+    shape: PatchShape
     """Of the anchor."""
-    pointed: bool
-    """Whether the anchor's shape tells anything of the heading."""
+    has_direction: bool
+    """Whether the anchor's shape shows anything of the heading."""
     slots_m: Floats
     """Shape (s, 2)."""
-    arms_m: Floats
-    """The same, seen from the anchor."""
+    slot_offsets_m: Floats
+    """The slots' places relative to the anchor, shape (s, 2)."""
     areas_m2: Floats
-    """Shape (s,)."""
-    least_area_m2: float
-    """Of all patches."""
+    """Of the slots' patches, shape (s,)."""
+    min_area_m2: float
+    """Of the smallest patch."""
     reach_m: Floats
-    """From the anchor to the nearest and to the farthest slot, shape (2,)."""
-    shares: Floats
+    """Distance from the anchor to the nearest and to the farthest slot, shape (2,)."""
+    area_fractions: Floats
     """Of the marker's painted area: the anchor's, then every slot's; shape (1 + s,)."""
     radii_m: Floats
-    """Of the patches that are circles, 0 for others: the anchor's, then every slot's; shape (1 + s,)."""
-    digits: Numbers
-    """Value of each color class at each slot, or REFUSED; shape (s, classes)."""
-    places: Numbers
-    """What a digit at each slot counts in the code, 0 where all robots wear the same; shape (s,)."""
-    coded: bool
-    """Whether there is a code to read."""
-    codes: Numbers
-    """The codes that are worn, shape (n,)."""
-    ids: Numbers
-    """By whom, shape (n,)."""
-    enough: int
-    """As many slots tell the heading, whichever they are; one more than there are when the pattern repeats."""
-    enough_shaped: int
-    """As many, where the anchor's shape is seen; 0 when it tells the heading alone."""
+    """Of patches that are circles, 0 for others: the anchor's, then every slot's; shape (1 + s,)."""
+    digits: Integers
+    """Digit of each color class at each slot, or NO_DIGIT; shape (s, classes)."""
+    place_values: Integers
+    """Factor of each slot's digit in the code, 0 where all robots have the same color; shape (s,)."""
+    has_code: bool
+    """Whether robots differ in their colors."""
+    codes: Integers
+    """The codes of the pattern's robots, shape (n,)."""
+    ids: Integers
+    """The robots' ids, shape (n,)."""
+    min_slots_for_heading: int
+    """So many slots, whichever they are, determine the heading; one more than the pattern has when it is symmetric."""
+    min_slots_with_shape: int
+    """The same where the anchor's shape is measured; 0 when the shape determines the heading by itself."""
 
 
 def marker_of(
     pattern: Pattern, robots: TeamRobotSettings, team: Team, number: int, table: ColorTable, tolerance_m: float
 ) -> Marker:
-    """Derive a team's marker. Raises SettingsError when it wears colors without a class.
+    """Derive a team's marker. Raises SettingsError when the pattern has colors without a class.
 
     number: of the team in tables; tolerance_m: how far from its place a patch may be.
     """
@@ -102,46 +99,46 @@ def marker_of(
     anchor = next(index for index, patch in enumerate(pattern.patches) if patch.color == TEAM)
     others = [index for index in range(len(pattern.patches)) if index != anchor]
     slots = centers[others].reshape(-1, 2)
-    digits, places = _digits(pattern, others, table)
+    digits, place_values = _digits(pattern, others, table)
     reach = np.hypot(*(slots - centers[anchor]).T) if len(slots) else np.zeros(1)
     shape = shape_from(inner_points_mm(pattern.patches[anchor]) / 1000.0)
-    wears = np.zeros(len(table.names), dtype=np.uint8)
-    wears[(digits != REFUSED).any(axis=0)] |= SLOT
-    wears[table.index(team)] |= ANCHOR
-    codes = [_number(code, pattern) for code in pattern.code_by_id.values()]
-    enough, shaped = _enough(slots - centers[anchor], digits, tolerance_m, shape)
+    color_roles = np.zeros(len(table.names), dtype=np.uint8)
+    color_roles[(digits != NO_DIGIT).any(axis=0)] |= SLOT_ROLE
+    color_roles[table.index(team)] |= ANCHOR_ROLE
+    codes = [_code_number(code, pattern) for code in pattern.code_by_id.values()]
+    min_slots, min_slots_with_shape = _min_slots(slots - centers[anchor], digits, tolerance_m, shape)
     return Marker(
         team=number,
         height_m=robots.height_m,
         radius_m=robots.radius_m,
-        wears=frozen(wears),
+        color_roles=frozen(color_roles),
         anchor_class=table.index(team),
         anchor_m=frozen(centers[anchor].copy()),
         anchor_area_m2=float(areas[anchor]),
         shape=shape,
-        pointed=bool(shape.weights.any()),
+        has_direction=bool(shape.weights.any()),
         slots_m=frozen(slots.copy()),
-        arms_m=frozen(slots - centers[anchor]),
+        slot_offsets_m=frozen(slots - centers[anchor]),
         areas_m2=frozen(areas[others]),
-        least_area_m2=float(areas.min()),
+        min_area_m2=float(areas.min()),
         reach_m=frozen(np.array([reach.min(), reach.max()])),
-        shares=frozen(areas[[anchor, *others]] / areas.sum()),
+        area_fractions=frozen(areas[[anchor, *others]] / areas.sum()),
         radii_m=frozen(np.array([_radius_m(pattern.patches[index]) for index in (anchor, *others)])),
         digits=frozen(digits),
-        places=frozen(places),
-        coded=pattern.digits > 0,
+        place_values=frozen(place_values),
+        has_code=pattern.digits > 0,
         codes=frozen(np.array(codes, dtype=np.int64)),
         ids=frozen(np.array(list(pattern.code_by_id), dtype=np.int64)),
-        enough=enough,
-        enough_shaped=shaped,
+        min_slots_for_heading=min_slots,
+        min_slots_with_shape=min_slots_with_shape,
     )
 
 
 def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
-    worn = {patch.color for patch in pattern.patches} - {TEAM, CODE}
+    needed = {patch.color for patch in pattern.patches} - {TEAM, CODE}
     if pattern.digits:
-        worn |= set(pattern.code.colors)
-    if unknown := sorted((worn | {team}) - set(table.names)):
+        needed |= set(pattern.code.colors)
+    if unknown := sorted((needed | {team}) - set(table.names)):
         raise SettingsError(
             f"pattern {pattern.name}: colors",
             found=", ".join(unknown),
@@ -153,77 +150,75 @@ def _radius_m(patch: Patch) -> float:
     return patch.circle_mm[2] / 2000.0 if patch.circle_mm is not None else 0.0
 
 
-def _digits(pattern: Pattern, slots: Sequence[int], table: ColorTable) -> tuple[Numbers, Numbers]:
-    digits = np.full((len(slots), len(table.names)), REFUSED, dtype=np.int64)
-    places = np.zeros(len(slots), dtype=np.int64)
-    place = 1
+def _digits(pattern: Pattern, slots: Sequence[int], table: ColorTable) -> tuple[Integers, Integers]:
+    """Digit of each color class at each slot, and the place value of each slot's digit in the code."""
+    digits = np.full((len(slots), len(table.names)), NO_DIGIT, dtype=np.int64)
+    place_values = np.zeros(len(slots), dtype=np.int64)
+    value = 1
     for row, index in enumerate(slots):
         color = pattern.patches[index].color
         if color == CODE:
-            places[row], place = place, place * len(pattern.code.colors)
+            place_values[row], value = value, value * len(pattern.code.colors)
             for digit, name in enumerate(pattern.code.colors):
                 digits[row, table.index(name)] = digit
         else:
             digits[row, table.index(color)] = 0
-    return digits, places
+    return digits, place_values
 
 
-def _number(code: str, pattern: Pattern) -> int:
-    """A code as the number that its digits make, the first one counting least."""
+def _code_number(code: str, pattern: Pattern) -> int:
+    """A code as a number; its first letter is the least significant digit."""
     initials = [color[0].upper() for color in pattern.code.colors]
     return sum(initials.index(letter) * len(initials) ** place for place, letter in enumerate(code))
 
 
-def _enough(slots_m: Floats, digits: Numbers, tolerance_m: float, shape: Shape) -> tuple[int, int]:
-    """How many slots tell the heading, without and with the anchor's shape: no other slots could be taken for them.
-
-    slots_m: seen from the anchor.
-    """
-    slots: Points = slots_m[:, 0] + 1j * slots_m[:, 1]
-    shared = ((digits != REFUSED)[:, None] & (digits != REFUSED)[None]).any(axis=2)
-    enough = shaped = 1
-    for chosen in range(1, len(slots) + 1):
+def _min_slots(offsets_m: Floats, digits: Integers, tolerance_m: float, shape: PatchShape) -> tuple[int, int]:
+    """How many slots determine the heading, without and with the anchor's shape: no turn maps them to other slots."""
+    offsets: Points = offsets_m[:, 0] + 1j * offsets_m[:, 1]
+    share_color = ((digits != NO_DIGIT)[:, None] & (digits != NO_DIGIT)[None]).any(axis=2)
+    without_shape = with_shape = 1
+    for number in range(1, len(offsets) + 1):
         turns = [
             turn
-            for those in combinations(range(len(slots)), chosen)
-            for turn in _confusions(slots, those, shared, tolerance_m)
+            for chosen in combinations(range(len(offsets)), number)
+            for turn in _confusing_turns(offsets, chosen, share_color, tolerance_m)
         ]
         if turns:
-            enough = chosen + 1
-        if any(_agrees(shape, turn) >= RIVAL_AGREEMENT for turn in turns):
-            shaped = chosen + 1
-    steps = range(APART, COARSE - APART + 1)
-    alone = all(_agrees(shape, 2.0 * math.pi * step / COARSE) < ALONE_AGREEMENT for step in steps)
-    return enough, 0 if alone else shaped
+            without_shape = number + 1
+        if any(_score_of_turn(shape, turn) >= MIN_RIVAL_SCORE for turn in turns):
+            with_shape = number + 1
+    steps = range(MIN_STEPS_APART, HEADING_STEPS - MIN_STEPS_APART + 1)
+    turns = [2.0 * math.pi * step / HEADING_STEPS for step in steps]
+    if all(_score_of_turn(shape, turn) < MAX_ALTERNATIVE_SCORE for turn in turns):
+        with_shape = 0
+    return without_shape, with_shape
 
 
-def _confusions(
-    slots: Points, those: tuple[int, ...], shared: NDArray[np.bool_], tolerance_m: float
+def _confusing_turns(
+    offsets: Points, chosen: tuple[int, ...], share_color: Mask, tolerance_m: float
 ) -> Iterator[float]:
-    """The turns about the anchor that bring some slots to where others are."""
+    """The turns about the anchor that bring the chosen slots to the places of others [rad]."""
     pending: list[tuple[int, ...]] = [()]
     while pending:
         image = pending.pop()
-        if len(image) == len(those):
-            turn = float(np.angle((slots[list(those)].conj() * slots[list(image)]).sum()))
-            off = np.abs(slots[list(those)] * np.exp(1j * turn) - slots[list(image)])
-            if image != those and (off <= tolerance_m).all():
+        if len(image) == len(chosen):
+            turn = float(np.angle((offsets[list(chosen)].conj() * offsets[list(image)]).sum()))
+            off = np.abs(offsets[list(chosen)] * np.exp(1j * turn) - offsets[list(image)])
+            if image != chosen and (off <= tolerance_m).all():
                 yield turn
             continue
-        here = those[len(image)]
-        for other in range(len(slots)):
-            apart = [
-                abs(abs(slots[here] - slots[a]) - abs(slots[other] - slots[b]))
-                for a, b in zip(those, image, strict=False)
+        here = chosen[len(image)]
+        for other in range(len(offsets)):
+            differences = [
+                abs(abs(offsets[here] - offsets[a]) - abs(offsets[other] - offsets[b]))
+                for a, b in zip(chosen, image, strict=False)
             ]
-            near = abs(abs(slots[here]) - abs(slots[other])) <= tolerance_m
-            if other not in image and shared[here, other] and near and max(apart, default=0.0) <= 2.0 * tolerance_m:
+            as_far = abs(abs(offsets[here]) - abs(offsets[other])) <= tolerance_m
+            alike = max(differences, default=0.0) <= 2.0 * tolerance_m
+            if other not in image and share_color[here, other] and as_far and alike:
                 pending.append((*image, other))
 
 
-def _agrees(shape: Shape, turn_rad: float) -> float:
-    """How well the drawn shape agrees with itself, turned."""
-    seen = np.zeros(SHAPE_LENGTH)
-    seen[LONG], seen[WIDE] = shape.spread_m2
-    seen[FIRST_MOMENT:] = shape.moments.ravel()
-    return agreement(shape, seen, turn_rad)
+def _score_of_turn(shape: PatchShape, turn_rad: float) -> float:
+    """How well the drawn shape agrees with itself, turned, 0..1."""
+    return heading_score(shape, measured_from(shape)[0], turn_rad)

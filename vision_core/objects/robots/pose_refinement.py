@@ -1,101 +1,99 @@
-"""From a winning hypothesis to a robot: its patches' centers refined, its pose fitted to all of them, and how well
-that is known. Compiled kernels.
+"""From a selected hypothesis to a robot: refine the centers of its patches, fit its pose to all of them, and say how
+exact the pose is. Compiled kernels.
 
-A pose is fitted by least squares with the weight 1 / variance for every patch (Procrustes in the plane: Umeyama,
-1991). Its covariance follows from the same weights w at p, the patches' places in the robot round their weighted mean:
-the heading's variance is 1 / sum(w |p|^2), the mean place's 1 / sum(w) per axis, and the robot's center, off the
-mean by an arm, gets the heading's variance times the arm's square across it. What is left over after the fit says
-whether the weights were right for this robot, blurred or half in a shadow as it may be, and scales all of them; but
-for the size, which is free in this: patches that touch lose their seams, their centers move outwards, and no harm is
-done.
+The pose is a least-squares fit with the weight 1 / variance for every patch (Procrustes in the plane: Umeyama, 1991).
+Its covariance follows from the same weights w at p, the patches' places in the robot relative to their weighted mean:
+the heading's variance is 1 / sum(w |p|^2), that of the mean place 1 / sum(w) per axis. The robot's center is off the
+mean by an arm, so the heading's variance times the squared arm is added across the arm. The residuals of the fit show
+whether the weights were right for this robot, which may be blurred or half in a shadow, and scale all of them. The size
+of the marker is free in this: patches that touch lose the seam between them and move outwards, which does no harm.
 """
 
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
-from vision_core.geometry import Bytes, Floats
-from vision_core.models.camera_kernels import CameraMap, field_from_pixel, pixel_from_field, pixels_per_square_metre
+from vision_core.models.camera_kernels import field_from_pixel, pixel_from_field, pixels_per_square_metre
+from vision_core.native.angles import wrap_angle
 from vision_core.native.kernels import kernel
 from vision_core.objects.circle_fit import refined_circle
-from vision_core.objects.robots.buffers import (
-    ANCHOR,
-    FIRST_SLOT,
-    HEADING,
-    MATCHED,
-    SCORE,
-    SHAPED,
-    STEADY,
-    Gates,
-    Memory,
-    X,
-    Y,
-)
+from vision_core.objects.observation import Observation
+from vision_core.objects.robots.buffers import HEADING_BY_SHAPE, NO_SHAPE, FinderBuffers, Gates
 from vision_core.objects.robots.markers import Marker
 from vision_core.objects.robots.shapes import heading_sd
 from vision_core.types.tables import NO_ID, Table
 
-PRIOR = 4.0
-"""What is known of the weights beforehand counts as so many degrees of freedom."""
+Row: TypeAlias = Any
+"""One row of a table."""
+
+PRIOR_FREEDOM = 4.0
+"""Degrees of freedom that the expected weights count for, beside those of the residuals."""
 
 
 @kernel
 def refine_pose(
-    blobs: Table, pixels: Bytes, camera: CameraMap, marker: Marker, gates: Gates, memory: Memory, row: Floats,
-    ambiguous: bool, robot: Any,
+    seen: Observation, marker: Marker, gates: Gates, buffers: FinderBuffers, hypothesis: Row, ambiguous: bool,
+    robot: Row,
 ) -> None:  # fmt: skip
-    """Fill in a robot's team, id, place, heading and deviations.
+    """Fill in a robot's team, id, place, heading and their deviations.
 
-    robot: one row. Where only the anchor is known for sure, the robot is put at the anchor, and its deviation says
-    how far off its center that may be.
+    robot: a row of ROBOT. Where the heading is not known the robot is put at its anchor, and its deviation includes the
+    anchor's distance from the robot's center.
     """
-    _refine_centers(blobs, pixels, camera, marker, gates, memory, row)
-    enough = marker.enough_shaped if row[SHAPED] > 0 else marker.enough
-    told = not ambiguous and (row[MATCHED] >= enough if row[MATCHED] > 0 else row[SHAPED] == 2)
-    robot.team, robot.confidence = marker.team, row[SCORE]
-    robot.id = code_of(blobs, marker, row) if told or not marker.coded else NO_ID
-    centers = memory.centers
-    if not told:
+    _refine_centers(seen, marker, gates, buffers, hypothesis)
+    # do the matched slots, or the anchor's shape, determine the heading?
+    has_shape = hypothesis.shape_evidence != NO_SHAPE
+    min_slots = marker.min_slots_with_shape if has_shape else marker.min_slots_for_heading
+    enough = hypothesis.matched >= min_slots
+    if hypothesis.matched == 0:
+        enough = hypothesis.shape_evidence == HEADING_BY_SHAPE
+    has_heading = enough and not ambiguous
+    robot.team, robot.confidence = marker.team, hypothesis.score
+    robot.id = id_of(seen.blobs, marker, hypothesis) if has_heading or not marker.has_code else NO_ID
+    centers = buffers.centers
+    if not has_heading:
         offset = math.hypot(marker.anchor_m[0], marker.anchor_m[1])
         robot.x_m, robot.y_m, robot.heading_rad = centers[0, 0], centers[0, 1], math.nan
         robot.position_sd_m = math.sqrt(1.0 / centers[0, 2] + 0.5 * offset * offset)
         robot.heading_sd_rad = math.nan
-    elif row[MATCHED] == 0:
-        _pose_by_shape(marker, memory, row, robot)
+    elif hypothesis.matched == 0:
+        _pose_from_shape(marker, buffers, hypothesis, robot)
     else:
-        _fit(marker, memory, robot)
-    robot.x_px, robot.y_px = pixel_from_field(camera, robot.x_m, robot.y_m, marker.height_m)
+        _fit(marker, buffers, robot)
+    robot.x_px, robot.y_px = pixel_from_field(seen.camera, robot.x_m, robot.y_m, marker.height_m)
 
 
 @kernel
 def _refine_centers(
-    blobs: Table, pixels: Bytes, camera: CameraMap, marker: Marker, gates: Gates, memory: Memory, row: Floats
-) -> None:
-    scale2 = pixels_per_square_metre(camera, row[X], row[Y], marker.height_m)
+    seen: Observation, marker: Marker, gates: Gates, buffers: FinderBuffers, hypothesis: Row
+) -> None:  # fmt: skip
+    """Fill in place and weight of each patch: circles by their edges, other patches by their centroids."""
+    scale2 = pixels_per_square_metre(seen.camera, hypothesis.x_m, hypothesis.y_m, marker.height_m)
     scale = math.sqrt(scale2)
+    centers = buffers.centers
     for patch in range(1 + len(marker.slots_m)):
-        blob = int(row[ANCHOR] if patch == 0 else row[FIRST_SLOT + patch - 1])
-        memory.centers[patch, 2] = 0.0
+        blob = hypothesis.anchor if patch == 0 else hypothesis.slot_blobs[patch - 1]
+        centers[patch, 2] = 0.0
         if blob < 0:
             continue
-        x, y, floor = blobs[blob].x_px, blobs[blob].y_px, gates.edge_floor_px
+        x, y, min_sd = seen.blobs[blob].x_px, seen.blobs[blob].y_px, gates.polygon_sd_px
         sd = 0.0
         if marker.radii_m[patch] > 0.0:
-            x, y, sd = refined_circle(pixels, x, y, marker.radii_m[patch] * scale, memory.rim)
-            floor = gates.center_floor_px
-        memory.centers[patch, 0], memory.centers[patch, 1] = field_from_pixel(camera, x, y, marker.height_m)
-        memory.centers[patch, 2] = scale2 / (sd * sd + floor * floor)
+            x, y, sd = refined_circle(seen.pixels, x, y, marker.radii_m[patch] * scale, buffers.circle)
+            min_sd = gates.circle_sd_px
+        centers[patch, 0], centers[patch, 1] = field_from_pixel(seen.camera, x, y, marker.height_m)
+        centers[patch, 2] = scale2 / (sd * sd + min_sd * min_sd)
 
 
 @kernel
-def code_of(blobs: Table, marker: Marker, row: Floats) -> int:
+def id_of(blobs: Table, marker: Marker, hypothesis: Row) -> int:
     """The id whose code a hypothesis shows, NO_ID for none."""
     code = 0
     for slot in range(len(marker.slots_m)):
-        if marker.places[slot] > 0:
-            blob = int(row[FIRST_SLOT + slot])
+        if marker.place_values[slot] > 0:
+            blob = hypothesis.slot_blobs[slot]
             if blob < 0:
                 return NO_ID
-            code += marker.places[slot] * marker.digits[slot, blobs[blob].color]
+            code += marker.place_values[slot] * marker.digits[slot, blobs[blob].color]
     for number in range(len(marker.codes)):
         if marker.codes[number] == code:
             return int(marker.ids[number])
@@ -103,33 +101,35 @@ def code_of(blobs: Table, marker: Marker, row: Floats) -> int:
 
 
 @kernel
-def _pose_by_shape(marker: Marker, memory: Memory, row: Floats, robot: Any) -> None:
-    """A robot whose anchor alone tells where it is and which way it points."""
-    x, y, variance = memory.centers[0, 0], memory.centers[0, 1], 1.0 / memory.centers[0, 2]
+def _pose_from_shape(marker: Marker, buffers: FinderBuffers, hypothesis: Row, robot: Row) -> None:
+    """The pose of a robot of which only the anchor is seen, by the anchor's place and shape."""
+    x, y, variance = buffers.centers[0, 0], buffers.centers[0, 1], 1.0 / buffers.centers[0, 2]
     a, b = marker.anchor_m[0], marker.anchor_m[1]
-    c, s = math.cos(row[HEADING]), math.sin(row[HEADING])
-    turn_sd = heading_sd(row[STEADY], math.sqrt(variance))
+    c, s = math.cos(hypothesis.heading_rad), math.sin(hypothesis.heading_rad)
+    turn_sd = heading_sd(hypothesis.heading_stiffness_m, math.sqrt(variance))
     robot.x_m, robot.y_m = x - c * a + s * b, y - s * a - c * b
-    robot.heading_rad = _wrapped(row[HEADING])
+    robot.heading_rad = wrap_angle(hypothesis.heading_rad)
     robot.position_sd_m = math.sqrt(variance + 0.5 * turn_sd * turn_sd * (a * a + b * b))
     robot.heading_sd_rad = turn_sd
 
 
 @kernel
-def _fit(marker: Marker, memory: Memory, robot: Any) -> None:
-    """A robot's pose from all of its patches, by their weights."""
-    centers, slots = memory.centers, marker.slots_m
+def _fit(marker: Marker, buffers: FinderBuffers, robot: Row) -> None:
+    """The pose of a robot from all of its patches, weighted."""
+    centers, slots = buffers.centers, marker.slots_m
+    # weighted means of the seen places and of the marker's
     weight = mean_x = mean_y = model_x = model_y = 0.0
     for patch in range(1 + len(slots)):
-        at_x, at_y = _place_of(marker, patch)
+        at_x, at_y = _place_in_robot(marker, patch)
         w = centers[patch, 2]
         weight += w
         mean_x, mean_y = mean_x + w * centers[patch, 0], mean_y + w * centers[patch, 1]
         model_x, model_y = model_x + w * at_x, model_y + w * at_y
     mean_x, mean_y, model_x, model_y = mean_x / weight, mean_y / weight, model_x / weight, model_y / weight
+    # cross-covariance about the means: its direction is the heading
     along = across = inertia = spread = freedom = 0.0
     for patch in range(1 + len(slots)):
-        at_x, at_y = _place_of(marker, patch)
+        at_x, at_y = _place_in_robot(marker, patch)
         w, a, b = centers[patch, 2], at_x - model_x, at_y - model_y
         if w > 0.0:
             u, v = centers[patch, 0] - mean_x, centers[patch, 1] - mean_y
@@ -141,22 +141,18 @@ def _fit(marker: Marker, memory: Memory, robot: Any) -> None:
     heading = math.atan2(across, along)
     c, s = math.cos(heading), math.sin(heading)
     robot.x_m, robot.y_m = mean_x - c * model_x + s * model_y, mean_y - s * model_x - c * model_y
-    robot.heading_rad = _wrapped(heading)
-    left_over = max(spread - (along * along + across * across) / inertia, 0.0)
-    scale = (PRIOR + left_over) / (PRIOR + freedom - 4.0)
+    robot.heading_rad = wrap_angle(heading)
+    # the residuals, with the size free, scale the covariance
+    residuals = max(spread - (along * along + across * across) / inertia, 0.0)
+    scale = (PRIOR_FREEDOM + residuals) / (PRIOR_FREEDOM + freedom - 4.0)
     arm2 = model_x * model_x + model_y * model_y
     robot.position_sd_m = math.sqrt(scale * (1.0 / weight + 0.5 * arm2 / inertia))
     robot.heading_sd_rad = math.sqrt(scale / inertia)
 
 
 @kernel
-def _place_of(marker: Marker, patch: int) -> tuple[float, float]:
-    """Where a patch is in the robot [m]; the anchor is the first."""
+def _place_in_robot(marker: Marker, patch: int) -> tuple[float, float]:
+    """Where a patch is in the robot [m]; patch 0 is the anchor."""
     if patch == 0:
         return marker.anchor_m[0], marker.anchor_m[1]
     return marker.slots_m[patch - 1, 0], marker.slots_m[patch - 1, 1]
-
-
-@kernel
-def _wrapped(angle_rad: float) -> float:
-    return (angle_rad + math.pi) % (2.0 * math.pi) - math.pi

@@ -1,4 +1,4 @@
-"""Why robots are not seen, or not read: in words, for people. Slow, and never part of the hot path."""
+"""Why robots are not found or not identified, in sentences for people. Slow, and never on the hot path."""
 
 import contextlib
 import math
@@ -11,14 +11,14 @@ import msgspec
 import numpy as np
 
 from vision_core.errors import SettingsError
-from vision_core.geometry import Bytes
-from vision_core.models.camera_kernels import CameraMap, pixel_from_field, pixels_per_square_metre
+from vision_core.models.camera_kernels import pixel_from_field, pixels_per_square_metre
 from vision_core.models.from_settings import robots_of
-from vision_core.objects.robots.buffers import ANCHOR, FIRST_SLOT, HEADING, MATCHED, SCORE, X, Y, take_memory
+from vision_core.objects.observation import Observation
+from vision_core.objects.robots.buffers import finder_buffers
 from vision_core.objects.robots.finder import RobotFinder, gates_from, robot_finder
-from vision_core.objects.robots.hypothesis_generation import place_blobs, propose
-from vision_core.objects.robots.markers import REFUSED, Marker, marker_of
-from vision_core.objects.robots.pose_refinement import code_of
+from vision_core.objects.robots.hypothesis_generation import generate_hypotheses, locate_blobs
+from vision_core.objects.robots.markers import NO_DIGIT, Marker, marker_of
+from vision_core.objects.robots.pose_refinement import id_of
 from vision_core.patterns.loader import load_pattern, scaled
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.colors import ColorTable
@@ -26,115 +26,126 @@ from vision_core.types.tables import NO_ID, TEAMS, Table
 from vision_core.venues.loader import config_folder
 
 NUMERALS = {2: "two", 3: "three", 4: "four"}
-SAME_PLACE_M = 0.5
-"""In robots' radii: an anchor that is nearer to a seen robot's center belongs to it."""
-SIZES = tuple(round(1.06**step, 2) for step in range(-12, 13) if step)
-"""Tried of markers, when they are not read: half to double."""
-BETTER = 1.3
-"""So much more must another pattern explain to be named."""
-MAX_SAID = 3
-"""Robots that are not read of which something is said, per team."""
+SAME_ROBOT_RADII = 0.5
+"""A hypothesis so near to a found robot's center, in radii of a robot, is that robot."""
+SCALES = tuple(round(1.06**step, 2) for step in range(-12, 13) if step)
+"""Factors of the marker's size that are tried when robots are not identified: half to double."""
+MIN_GAIN_RATIO = 1.3
+"""Another pattern is suggested when it explains the picture better by this factor."""
+NO_ID_WEIGHT = 0.2
+"""Of the confidence of a robot without an id, when patterns are compared."""
+MAX_REASONS = 3
+"""Robots without an id that are explained, per team."""
+MAX_MISSING = 2
+"""Missing patches that are explained, per robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A frame's blobs and what looks at them: arrays of the forms that the hot path has, or kernels compile anew."""
+    """A frame to be explained. Its arrays have the types of the hot path's, so that no kernel is compiled anew."""
 
-    blobs: Table
-    """BLOB table, shape (n,)."""
-    pixels: Bytes
+    seen: Observation
+    """With the blobs of all color classes."""
     table: ColorTable
-    camera: CameraMap
-
     robots: Callable[[RobotFinder], Table]
-    """What the hot path finds with another finder, ROBOT table of shape (n,)."""
+    """The robots that the hot path finds with a given finder: ROBOT table, shape (n,)."""
+
+    @property
+    def blobs(self) -> Table:
+        """BLOB table, shape (n,)."""
+        return self.seen.blobs
 
 
 def explain_robots(scene: Scene, settings: Settings) -> list[str]:
-    """Why there are no robots, or why some lack an id; empty when every robot is read. At most a few sentences."""
+    """Why there are no robots, or why some have no id; empty when every robot is identified. A few sentences."""
     finder = robot_finder(settings, scene.table)
     robots = scene.robots(finder)
     reasons = []
     for marker in finder.markers:
         own = robots[robots["team"] == marker.team]
         if not len(robots):
-            reasons.append(_why_none(scene, finder, marker, settings))
+            reasons.append(_why_no_robot(scene, finder, marker, settings))
         elif (own["id"] == NO_ID).any() or not len(own):
-            reasons += _why_unread(scene, finder, marker, own, settings)
+            reasons += _why_no_id(scene, finder, marker, own, settings)
     if not len(robots) or (robots["id"] == NO_ID).any():
-        reasons += _other_patterns(scene, robots, settings)
+        reasons += _better_pattern(scene, robots, settings)
     return reasons
 
 
-def _why_none(scene: Scene, finder: RobotFinder, marker: Marker, settings: Settings) -> str:
-    """What came nearest to a robot of a team, and what it lacks."""
+def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker, settings: Settings) -> str:
+    """What comes nearest to a robot of a team, and why it is rejected."""
     name, gates = TEAMS[marker.team], finder.gates
     blobs = np.flatnonzero(scene.blobs["color"] == marker.anchor_class)
     if not len(blobs):
-        return f"no {name} robot: no blob of class {name}"
-    shares = _shares(scene, finder, marker, blobs)
-    right = (shares >= gates.min_area) & (shares <= gates.max_area)
-    if not right.any():
-        nearest = int(np.argmin(np.abs(np.log(np.maximum(shares, 1e-9)))))
+        return f"no {name} robot: no blob of color class {name}"
+    ratios = _anchor_area_ratios(scene, finder, marker, blobs)
+    accepted = (ratios >= gates.min_area) & (ratios <= gates.max_area)
+    if not accepted.any():
+        nearest = int(np.argmin(np.abs(np.log(np.maximum(ratios, 1e-9)))))
         return (
-            f"no {name} robot: {len(blobs)} {_plural(len(blobs), 'blob')} of class {name}, none of the right size; the "
-            f"nearest, at {_pixel(scene, blobs[nearest])}, has {shares[nearest]:.2g} of the area predicted "
-            f"({gates.min_area:g} to {gates.max_area:g} are accepted): robots.height_m, the camera, or another pattern?"
+            f"no {name} robot: {len(blobs)} {_plural(len(blobs), 'blob')} of color class {name}, but none of the right "
+            f"size. The nearest, at {_pixel(scene, blobs[nearest])}, has {ratios[nearest]:.2g} times the expected area "
+            f"(accepted: {gates.min_area:g} to {gates.max_area:g}). Check robots.height_m, the camera and the pattern"
         )
-    row = _best_row(scene, finder, marker)
-    if row is None or row[MATCHED] == 0 < len(marker.slots_m):
+    best = _best_hypothesis(scene, finder, marker)
+    if best is None or best["matched"] == 0 < len(marker.slots_m):
+        count = int(accepted.sum())
         return (
-            f"no {name} robot: {int(right.sum())} {_plural(int(right.sum()), 'blob')} of class {name} and of the right "
-            f"size, the first at {_pixel(scene, blobs[right][0])}, with no patch of {_pattern(settings, marker)} round"
+            f"no {name} robot: {count} {_plural(count, 'blob')} of color class {name} and of the right size, the first "
+            f"at {_pixel(scene, blobs[accepted][0])}, without another patch of pattern {_pattern(settings, marker)} "
+            "near"
         )
     return (
-        f"no {name} robot: the best, at {_pixel(scene, int(row[ANCHOR]))}, has confidence {row[SCORE]:.2f}, below "
-        f"robots.min_confidence {settings.robots.min_confidence:g}: {_what_lacks(scene, marker, row, settings)}"
+        f"no {name} robot: the best candidate, at {_pixel(scene, int(best['anchor']))}, has confidence "
+        f"{best['score']:.2f}, below robots.min_confidence = {settings.robots.min_confidence:g}: "
+        f"{_what_is_missing(scene, marker, best, settings)}"
     )
 
 
-def _why_unread(
+def _why_no_id(
     scene: Scene, finder: RobotFinder, marker: Marker, robots: Table, settings: Settings
 ) -> list[str]:  # fmt: skip
-    """What keeps a team's robots from being read."""
-    name, rows = TEAMS[marker.team], _rows(scene, finder, marker)
-    reasons, worn = [], Counter[int]()
+    """Why a team's robots have no id."""
+    name, hypotheses = TEAMS[marker.team], _hypotheses(scene, finder, marker)
+    reasons, shown = [], Counter[int]()
     for robot in robots:
-        near = [row for row in rows if math.hypot(row[X] - robot["x_m"], row[Y] - robot["y_m"]) < _same(marker)]
-        best = max(near, key=lambda row: float(row[SCORE]), default=None)
-        if robot["id"] != NO_ID or best is None:
+        apart = np.hypot(hypotheses["x_m"] - robot["x_m"], hypotheses["y_m"] - robot["y_m"])
+        near = hypotheses[apart < SAME_ROBOT_RADII * marker.radius_m]
+        if robot["id"] != NO_ID or not len(near):
             continue
-        at = f"{name} robot at ({robot['x_px']:.0f}, {robot['y_px']:.0f}) px"
-        if best[MATCHED] < len(marker.slots_m):
-            reasons.append(f"{at} is not read: {_what_lacks(scene, marker, best, settings)}")
-        elif (number := code_of(scene.blobs, marker, best)) == NO_ID:
-            reasons.append(f"{at} wears {_code(scene, marker, best)}, which is no id of {_pattern(settings, marker)}")
+        best = near[0]
+        place = f"the {name} robot at ({robot['x_px']:.0f}, {robot['y_px']:.0f}) px"
+        if best["matched"] < len(marker.slots_m):
+            reasons.append(f"{place} has no id: {_what_is_missing(scene, marker, best, settings)}")
+        elif (number := id_of(scene.blobs, marker, best)) == NO_ID:
+            pattern = _pattern(settings, marker)
+            reasons.append(f"{place} has the code {_code(scene, marker, best)}, which is no id of pattern {pattern}")
         else:
-            worn[number] += 1
+            shown[number] += 1
     twice = [
-        f"{NUMERALS.get(count, count)} robots wear {name} {number}: {'both' if count == 2 else 'all'} lose it"
-        for number, count in worn.items()
+        f"{NUMERALS.get(count, count)} robots have the marker of {name} {number}, so none of them has an id"
+        for number, count in shown.items()
         if count > 1
     ]
-    return reasons[:MAX_SAID] + twice
+    return reasons[:MAX_REASONS] + twice
 
 
-def _other_patterns(scene: Scene, robots: Table, settings: Settings) -> list[str]:
-    """The shipped pattern, or the size of the own one, that would read most robots, if it reads clearly more."""
-    best, best_gain, read = "", BETTER * _gain(robots), 0
-    for name, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
-        seen = scene.robots(finder)
-        ids = int((seen["id"] != NO_ID).sum())
-        if ids and (gain := _gain(seen)) > best_gain:
-            best, best_gain, read = name, gain, ids
-    return [f"{best} {read} {_plural(read, 'robot')} would be read"] if best else []
+def _better_pattern(scene: Scene, robots: Table, settings: Settings) -> list[str]:
+    """The shipped pattern, or the size of the own one, that explains the picture best, if it is clearly better."""
+    best, best_gain, identified = "", MIN_GAIN_RATIO * _gain(robots), 0
+    for text, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
+        found = scene.robots(finder)
+        ids = int((found["id"] != NO_ID).sum())
+        if ids and (gain := _gain(found)) > best_gain:
+            best, best_gain, identified = text, gain, ids
+    return [f"{best} {identified} {_plural(identified, 'robot')} would be identified"] if best else []
 
 
 def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
-    """Of every shipped pattern that wears no colors but those that have a class here."""
-    worn = {robots_of(settings.robots, team).pattern for team in TEAMS}
+    """A finder for every shipped pattern whose colors have a class here, and how its result is introduced."""
+    own = {robots_of(settings.robots, team).pattern for team in TEAMS}
     for path in sorted((config_folder() / "patterns").glob("*.toml")):
-        if path.stem in worn:
+        if path.stem in own:
             continue
         shape = load_pattern(path.stem).robot
         team = TeamRobotSettings(
@@ -143,13 +154,13 @@ def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tup
         other = msgspec.structs.replace(settings.robots, blue=team, yellow=team)
         with contextlib.suppress(SettingsError):
             finder = robot_finder(msgspec.structs.replace(settings, robots=other), scene.table)
-            yield f"markers of another league? With robots.pattern {path.stem!r}", finder
+            yield f"another pattern? With robots.pattern = {path.stem!r}", finder
 
 
 def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
-    """Of markers that look larger or smaller than they are: what a wrong camera makes of them."""
-    memory = take_memory(settings.blobs.max_blobs)
-    for factor in SIZES:
+    """A finder for markers that look larger or smaller than they are, as a wrong camera height makes them."""
+    buffers = finder_buffers(settings.blobs.max_blobs)
+    for factor in SCALES:
         blue, yellow = (
             marker_of(
                 scaled(load_pattern(robots.pattern), factor), robots, team, number, scene.table,
@@ -158,95 +169,88 @@ def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[
             for number, team in enumerate(TEAMS)
             for robots in [robots_of(settings.robots, team)]
         )  # fmt: skip
-        area = f"blobs have {factor**2:.1f} of the area predicted"
-        name = f"wrong camera height, or size of the field? {area}; were markers {factor:.2f} times as large,"
-        yield name, RobotFinder((blue, yellow), gates_from(settings), memory)
+        area = f"blobs have {factor**2:.1f} times the expected area"
+        text = f"wrong camera height or field size? The {area}; with markers {factor:.2f} times as large"
+        yield text, RobotFinder((blue, yellow), gates_from(settings), buffers)
 
 
 def _gain(robots: Table) -> float:
-    """How well robots explain what is seen: their confidences, those without an id counting little."""
-    return float((robots["confidence"] * np.where(robots["id"] != NO_ID, 1.0, 0.2)).sum())
+    """How well robots explain the picture: the sum of their confidences, less weight for those without an id."""
+    return float((robots["confidence"] * np.where(robots["id"] != NO_ID, 1.0, NO_ID_WEIGHT)).sum())
 
 
-def _rows(scene: Scene, finder: RobotFinder, marker: Marker) -> Table:
-    """All hypotheses of a team, however poor, best first."""
+def _hypotheses(scene: Scene, finder: RobotFinder, marker: Marker) -> Table:
+    """All hypotheses of a team, however low their score, best first."""
     gates = finder.gates._replace(min_confidence=0.0)
-    listed = place_blobs(scene.blobs, len(scene.blobs), scene.camera, marker, gates, finder.memory)
-    count = propose(
-        scene.blobs, listed, scene.pixels, scene.table.classes, scene.camera, marker, gates, finder.memory, 0
-    )  # fmt: skip
-    rows: Table = finder.memory.rows[:count].copy()
-    return rows[np.argsort(-rows[:, SCORE], kind="stable")]
+    listed = locate_blobs(scene.seen, marker, gates, finder.buffers)
+    count = generate_hypotheses(scene.seen, listed, marker, gates, finder.buffers, 0)
+    rows: Table = finder.buffers.hypotheses[:count].copy()
+    return rows[np.argsort(-rows["score"], kind="stable")]
 
 
-def _best_row(scene: Scene, finder: RobotFinder, marker: Marker) -> Any:
-    rows = _rows(scene, finder, marker)
+def _best_hypothesis(scene: Scene, finder: RobotFinder, marker: Marker) -> Any:
+    rows = _hypotheses(scene, finder, marker)
     return rows[0] if len(rows) else None
 
 
-def _shares(scene: Scene, finder: RobotFinder, marker: Marker, blobs: Any) -> Any:
+def _anchor_area_ratios(scene: Scene, finder: RobotFinder, marker: Marker, blobs: Any) -> Any:
     """Areas of blobs over the anchor's."""
     gates = finder.gates._replace(min_area=0.0)
-    finder.memory.places[marker.team] = 0.0
-    place_blobs(scene.blobs, len(scene.blobs), scene.camera, marker, gates, finder.memory)
-    return finder.memory.places[marker.team, blobs, 2] / marker.anchor_area_m2
+    finder.buffers.places[marker.team] = 0.0
+    locate_blobs(scene.seen, marker, gates, finder.buffers)
+    return finder.buffers.places[marker.team, blobs, 2] / marker.anchor_area_m2
 
 
-def _what_lacks(scene: Scene, marker: Marker, row: Any, settings: Settings) -> str:
-    """Which of a hypothesis' patches are not there, and what is in their places."""
-    missing = [slot for slot in range(len(marker.slots_m)) if row[FIRST_SLOT + slot] < 0]
-    there = f"{1 + int(row[MATCHED])} of {1 + len(marker.slots_m)} patches of {_pattern(settings, marker)}"
+def _what_is_missing(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> str:
+    """Which of a hypothesis' patches are missing, and what is seen in their places."""
+    missing = [slot for slot in range(len(marker.slots_m)) if hypothesis["slot_blobs"][slot] < 0]
+    pattern = _pattern(settings, marker)
+    found = f"{1 + int(hypothesis['matched'])} of the {1 + len(marker.slots_m)} patches of pattern {pattern} are found"
     if not missing:
-        return there
-    what = "; ".join(_what_is_at(scene, marker, row, slot, settings) for slot in missing[:2])
-    return f"{there}; {what}"
+        return found
+    places = "; ".join(_what_is_at(scene, marker, hypothesis, slot, settings) for slot in missing[:MAX_MISSING])
+    return f"{found}; {places}"
 
 
-def _what_is_at(scene: Scene, marker: Marker, row: Any, slot: int, settings: Settings) -> str:
+def _what_is_at(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settings: Settings) -> str:
     """What is seen where a slot's patch should be."""
-    c, s = math.cos(row[HEADING]), math.sin(row[HEADING])
+    c, s = math.cos(hypothesis["heading_rad"]), math.sin(hypothesis["heading_rad"])
     a, b = marker.slots_m[slot]
-    x, y = pixel_from_field(scene.camera, row[X] + c * a - s * b, row[Y] + s * a + c * b, marker.height_m)
-    name, wanted = _side(a, b), " or ".join(_worn(scene.table, marker, slot))
+    x_m, y_m = hypothesis["x_m"] + c * a - s * b, hypothesis["y_m"] + s * a + c * b
+    x, y = pixel_from_field(scene.seen.camera, x_m, y_m, marker.height_m)
+    patch, wanted = f"the {_side(a, b)} patch", " or ".join(_colors_of(scene.table, marker, slot))
     off = np.hypot(scene.blobs["x_px"] - x, scene.blobs["y_px"] - y)
-    reach = settings.robots.dot_tolerance_m * math.sqrt(_scale(scene, marker, row))
-    if not (off <= reach).any():
-        return f"the patch {name} is missing: nothing {wanted} at ({x:.0f}, {y:.0f}) px"
+    scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
+    if not (off <= settings.robots.dot_tolerance_m * math.sqrt(scale2)).any():
+        return f"{patch} is missing: there is nothing {wanted} at ({x:.0f}, {y:.0f}) px"
     blob = int(np.argmin(off))
     color = int(scene.blobs["color"][blob])
-    if marker.digits[slot, color] == REFUSED:
-        return f"the patch {name} is {scene.table.names[color]}, not {wanted}"
-    share = float(scene.blobs["area_px"][blob] / _scale(scene, marker, row) / marker.areas_m2[slot])
-    return f"the patch {name} has {share:.2g} of the area predicted"
+    if marker.digits[slot, color] == NO_DIGIT:
+        return f"{patch} is {scene.table.names[color]}, not {wanted}"
+    ratio = float(scene.blobs["area_px"][blob] / scale2 / marker.areas_m2[slot])
+    return f"{patch} has {ratio:.2g} times the expected area"
 
 
-def _scale(scene: Scene, marker: Marker, row: Any) -> float:
-    """Pixels per square metre at a hypothesis."""
-    return pixels_per_square_metre(scene.camera, row[X], row[Y], marker.height_m)
-
-
-def _worn(table: ColorTable, marker: Marker, slot: int) -> list[str]:
-    return [table.names[color] for color in np.flatnonzero(marker.digits[slot] != REFUSED)]
+def _colors_of(table: ColorTable, marker: Marker, slot: int) -> list[str]:
+    """The color classes that a slot's patch may have."""
+    return [table.names[color] for color in np.flatnonzero(marker.digits[slot] != NO_DIGIT)]
 
 
 def _side(x: float, y: float) -> str:
     """Where a place in robot space is, in words."""
     along = "front" if x > abs(y) / 3.0 else "back" if x < -abs(y) / 3.0 else ""
     across = "left" if y > abs(x) / 3.0 else "right" if y < -abs(x) / 3.0 else ""
-    return " ".join(word for word in (along, across) if word) or "in the middle"
+    return " ".join(word for word in (along, across) if word) or "middle"
 
 
-def _code(scene: Scene, marker: Marker, row: Any) -> str:
-    letters = [
-        scene.table.names[scene.blobs["color"][int(row[FIRST_SLOT + slot])]][0].upper()
+def _code(scene: Scene, marker: Marker, hypothesis: Any) -> str:
+    """The code that a hypothesis shows, as initials of its colors."""
+    colors = [
+        int(scene.blobs["color"][hypothesis["slot_blobs"][slot]])
         for slot in range(len(marker.slots_m))
-        if marker.places[slot]
+        if marker.place_values[slot]
     ]
-    return "".join(letters)
-
-
-def _same(marker: Marker) -> float:
-    return SAME_PLACE_M * marker.radius_m
+    return "".join(scene.table.names[color][0].upper() for color in colors)
 
 
 def _pattern(settings: Settings, marker: Marker) -> str:

@@ -10,19 +10,19 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from vision_core.blobs import growing
-from vision_core.blobs.growing import (
+from bench.region_growing.region import (
+    LAST_SERIAL,
     NOT_FOUND,
-    Memory,
+    GrowingBuffers,
     color_of_classes,
     color_of_seed,
     grow,
-    memory_for,
+    growing_buffers,
     side_of_ring,
     step_for,
 )  # fmt: skip
-from vision_core.blobs.growing_tracker import GrowingLimits, GrowingTracker
-from vision_core.blobs.run_lengths import Segmenter
+from bench.region_growing.tracker import GrowingLimits, GrowingTracker
+from bench.segmenters import ReferenceSegmenter
 from vision_core.clock import Instant, after
 from vision_core.geometry import Bytes
 from vision_core.types.colors import ColorTable
@@ -47,10 +47,10 @@ def picture(labels: Labels) -> Bytes:
 
 
 def found(
-    labels: Labels, start: tuple[float, float], limits: GrowingLimits, memory: Memory | None = None
+    labels: Labels, start: tuple[float, float], limits: GrowingLimits, buffers: GrowingBuffers | None = None
 ) -> tuple[float, Any]:
     height, width = labels.shape
-    used = memory or memory_for(width, height)
+    used = buffers or growing_buffers(width, height)
     around = A if limits.around is None else limits.around
     x, y = float(start[0]), float(start[1])
     share = grow(picture(labels), CLASSES, x, y, A, around, limits.row(max(width, height)), used)
@@ -60,7 +60,7 @@ def found(
 def segmented(labels: Labels) -> Table:
     height, width = labels.shape
     chosen = replace(load_settings().blobs, min_area_px=1)
-    segmenter = Segmenter(width, height, chosen)
+    segmenter = ReferenceSegmenter(width, height, chosen)
     count, _ = segmenter.segment(picture(labels), TABLE)
     return segmenter.blobs[:count]
 
@@ -78,13 +78,13 @@ def box_of(blob: Any) -> Box:
 
 @pytest.mark.parametrize("density", [0.2, 0.4, 0.6, 0.95])
 def test_a_region_is_what_segmentation_says(density: float) -> None:
-    rng, memory = np.random.default_rng(4), memory_for(53, 37)
+    rng, buffers = np.random.default_rng(4), growing_buffers(53, 37)
     for _ in range(10):
         labels = rng.integers(1, 4, (37, 53)) * (rng.random((37, 53)) < density)
         blobs = segmented(labels)
         expected = np.array(blobs[blobs["color"] == 1].tolist())
         for y, x in np.argwhere(labels == 1)[::7].tolist():
-            share, blob = found(labels, (x, y), GrowingLimits(1, 9999), memory=memory)
+            share, blob = found(labels, (x, y), GrowingLimits(1, 9999), buffers=buffers)
             left, top, right, bottom = box_of(blob)
             assert (share, blob["color"]) == (1.0, 1)
             assert left <= x <= right
@@ -96,8 +96,10 @@ def test_every_pixel_of_a_region_leads_to_the_same_region() -> None:
     comb = np.zeros((20, 41), dtype=np.int64)
     comb[:, ::2] = 1
     comb[-1] = 1
-    memory = memory_for(41, 20)
-    rows = [tuple(found(comb, (x, y), GrowingLimits(1, 9999), memory=memory)[1].tolist()) for y, x in np.argwhere(comb)]
+    buffers = growing_buffers(41, 20)
+    rows = [
+        tuple(found(comb, (x, y), GrowingLimits(1, 9999), buffers=buffers)[1].tolist()) for y, x in np.argwhere(comb)
+    ]
     assert set(rows) == {rows[0]}
     assert rows[0][1] == (comb == 1).sum()
 
@@ -165,11 +167,11 @@ def test_what_is_too_large_is_not_cut_to_size() -> None:
 
 def test_a_flood_costs_no_more_than_the_budget() -> None:
     labels = np.ones((90, 120), dtype=np.int64)
-    memory = memory_for(120, 90)
-    assert found(labels, (60, 45), GrowingLimits(20, 100, budget_px=500), memory=memory)[0] == NOT_FOUND
-    assert 500 < int((memory.stamps & 1).sum()) < 500 + 2 * 120
+    buffers = growing_buffers(120, 90)
+    assert found(labels, (60, 45), GrowingLimits(20, 100, budget_px=500), buffers=buffers)[0] == NOT_FOUND
+    assert 500 < int((buffers.stamps & 1).sum()) < 500 + 2 * 120
     checkered = np.indices((90, 120)).sum(axis=0) % 2
-    assert found(checkered, (60, 45), GrowingLimits(20, 100), memory=memory)[0] == NOT_FOUND
+    assert found(checkered, (60, 45), GrowingLimits(20, 100), buffers=buffers)[0] == NOT_FOUND
 
 
 def dilated(mask: NDArray[np.bool_], layers: int) -> NDArray[np.bool_]:
@@ -288,12 +290,12 @@ def test_while_patience_lasts_no_other_is_taken_for_what_is_hidden() -> None:
 def test_stamps_begin_anew_before_their_numbers_run_out() -> None:
     labels = np.zeros((30, 40), dtype=np.int64)
     disc(labels, 20, 15, 4.0)
-    memory = memory_for(40, 30)
-    expected = found(labels, (0, 0), GrowingLimits(10, 100), memory=memory)[1].tolist()
-    memory.stamps[:] = np.iinfo(np.int32).max
-    memory.serial[0] = growing.LAST_SERIAL
-    assert found(labels, (0, 0), GrowingLimits(10, 100), memory=memory)[1].tolist() == expected
-    assert memory.serial[0] == 1
+    buffers = growing_buffers(40, 30)
+    expected = found(labels, (0, 0), GrowingLimits(10, 100), buffers=buffers)[1].tolist()
+    buffers.stamps[:] = np.iinfo(np.int32).max
+    buffers.serial[0] = LAST_SERIAL
+    assert found(labels, (0, 0), GrowingLimits(10, 100), buffers=buffers)[1].tolist() == expected
+    assert buffers.serial[0] == 1
 
 
 def test_the_kernel_is_compiled_once() -> None:

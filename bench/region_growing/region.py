@@ -1,17 +1,17 @@
 """Region growing from an object's last position: one object, as few pixels as it takes.
 
-The way of the CAMBADA robots (Neves et al., "A modular vision system", section 3). Each object is searched alone. From
-its last position, or the picture's middle, square rings of points are looked at, the nearest first; a point of the
-object's color grows into a region. Two queues take turns: *candidates* are pixels to be judged, *members* are those
-that were judged to be of the color and expand the region to their own neighbors. A region is then valid by its area,
-and by what surrounds it: for that the fronts go on for some layers through pixels of any color. Whatever is not valid
-is remembered, and the rings go on.
+The method of the CAMBADA robots (Neves et al., "A modular vision system", section 3). Each object is searched alone.
+From its last position, or the picture's middle, points on square rings are looked at, the nearest first; a point of the
+object's color grows into a region. Two queues take turns: *candidates* are pixels to be judged, *members* are pixels
+that were judged to be of the color and expand the region to their own neighbors. A region is valid by its area and by
+what surrounds it: for that the front goes on for some layers through pixels of any color. Regions that are not valid
+are remembered, and the rings go on.
 
-So an object that is where it was costs a few hundred pixels, and one that is gone costs a search of the whole picture:
-the time varies as in the paper's figure 3. ``budget_px`` is the limit of it.
+An object that is where it was costs a few hundred pixels; one that is gone costs a search of the whole picture: the
+time varies as in the paper's figure 3. ``budget_px`` limits it.
 
-A color is a set of classes of the color table, or a seed with tolerances, for what no table can hold: a table has
-32 x 64 x 32 cells, one venue, one light.
+A color is a set of classes of the color table, or a seed with tolerances, for colors that no table can hold: a table
+has 32 x 64 x 32 cells, one venue, one light.
 """
 
 import math
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel
+from vision_core.types.color_cells import color_cell
 from vision_core.types.tables import BLOB, Table
 
 Row: TypeAlias = Any
@@ -37,8 +38,8 @@ COLOR = np.dtype(
         ("luma_tolerance", np.float64), ("chroma_tolerance", np.float64),
     ]
 )  # fmt: skip
-"""What is looked for: classes holds 1 for every class of the table that counts; or, when by_seed, everything within
-tolerances of a luma and a chroma, in grey levels."""
+"""The color of an object: classes holds 1 for every class of the table that it may have; or, when by_seed, every color
+within the tolerances of a luma and a chroma [grey levels]."""
 
 LIMITS = np.dtype(
     [
@@ -48,8 +49,8 @@ LIMITS = np.dtype(
 )  # fmt: skip
 
 
-class Memory(NamedTuple):
-    """Taken once for pictures of one size; filled by `grow`."""
+class GrowingBuffers(NamedTuple):
+    """GrowingBuffers for pictures of one size, allocated once and filled by `grow`."""
 
     stamps: NDArray[np.int32]
     """Shape (height, width): which region last judged a pixel, times two; plus one if the pixel became a member."""
@@ -59,21 +60,21 @@ class Memory(NamedTuple):
     """The front, x and y, shape (room, 2)."""
     candidates: NDArray[np.int32]
     """Neighbors of the front that are to be judged."""
-    rim: NDArray[np.int32]
-    """Candidates that were turned down: the region's outer rim."""
+    edge: NDArray[np.int32]
+    """Candidates that were rejected: the pixels round the region."""
     blob: Table
     """The region that was found, one row of BLOB."""
 
 
-def memory_for(width_px: int, height_px: int) -> Memory:
-    """Memory for pictures of a size. Fronts longer than eight times round the picture are not followed."""
+def growing_buffers(width_px: int, height_px: int) -> GrowingBuffers:
+    """Buffers for pictures of one size. Fronts longer than eight times round the picture are not followed."""
     room = 16 * (width_px + height_px)
-    return Memory(
+    return GrowingBuffers(
         stamps=np.zeros((height_px, width_px), dtype=np.int32),
         serial=np.zeros(1, dtype=np.int64),
         members=np.zeros((room, 2), dtype=np.int32),
         candidates=np.zeros((room, 2), dtype=np.int32),
-        rim=np.zeros((room, 2), dtype=np.int32),
+        edge=np.zeros((room, 2), dtype=np.int32),
         blob=np.zeros(1, dtype=BLOB),
     )
 
@@ -103,17 +104,26 @@ def step_for(area_px: int) -> int:
 
 @kernel
 def grow(
-    pixels: Bytes, classes: Bytes, x_px: float, y_px: float, color: Table, around: Table, limits: Table, memory: Memory
+    pixels: Bytes,
+    classes: Bytes,
+    x_px: float,
+    y_px: float,
+    color: Table,
+    around: Table,
+    limits: Table,
+    buffers: GrowingBuffers,
 ) -> float:
-    """Find the valid region of a color that is nearest to a start, ring by ring; its BLOB is memory.blob.
+    """Find the valid region of a color that is nearest to a start, ring by ring; its BLOB is buffers.blob.
 
     pixels: shape (height, width, 3); classes: of a ColorTable; color, around: rows of COLOR; limits: a row of LIMITS.
     Returns the share of its surroundings that have the color `around` (1 when ring_px is 0), or NOT_FOUND.
     """
-    height, width = memory.stamps.shape
+    # the start, clamped to the picture
+    height, width = buffers.stamps.shape
     limit, wanted = limits[0], color[0]
     x, y = min(max(int(x_px + 0.5), 0), width - 1), min(max(int(y_px + 0.5), 0), height - 1)
-    first, budget = next_serial(memory), limit.budget_px
+    first, budget = next_serial(buffers), limit.budget_px
+    # points of the object's color, ring by ring
     for ring in range(limit.search_px // limit.step_px + 2):
         for side in range(4):
             u, v, du, dv, points = side_of_ring(ring, side, x, y, limit.step_px, width, height)
@@ -121,28 +131,31 @@ def grow(
                 px, py = u + point * du, v + point * dv
                 if not is_of(wanted, classes, pixels[py, px]):
                     continue
-                if memory.stamps[py, px] & 1 and memory.stamps[py, px] >> 1 >= first:
+                if buffers.stamps[py, px] & 1 and buffers.stamps[py, px] >> 1 >= first:
                     continue  # a member of a region that was not valid
-                complete, rim = grow_region(pixels, classes, px, py, wanted, memory, budget)
-                area = memory.blob[0].area_px
+                # grow its region and judge it by area, then by its surroundings
+                complete, edge_count = grow_region(pixels, classes, px, py, wanted, buffers, budget)
+                area = buffers.blob[0].area_px
                 budget -= area
                 if not complete:
                     return NOT_FOUND
                 if area < limit.min_area_px or area > limit.max_area_px:
                     continue
-                share = surrounding_share(pixels, classes, around[0], limit, memory, rim) if limit.ring_px else 1.0
+                share = (
+                    surrounding_share(pixels, classes, around[0], limit, buffers, edge_count) if limit.ring_px else 1.0
+                )
                 if not limit.ring_px or share >= limit.min_around:
                     return share
     return NOT_FOUND
 
 
 @kernel
-def next_serial(memory: Memory) -> int:
-    """Number of the next region, after the last one of all stamps were wiped."""
-    if memory.serial[0] > LAST_SERIAL - memory.stamps.size:
-        memory.stamps[:] = 0
-        memory.serial[0] = 0
-    return int(memory.serial[0]) + 1
+def next_serial(buffers: GrowingBuffers) -> int:
+    """Number of the next region; before the numbers run out all stamps are cleared and counting starts again."""
+    if buffers.serial[0] > LAST_SERIAL - buffers.stamps.size:
+        buffers.stamps[:] = 0
+        buffers.serial[0] = 0
+    return int(buffers.serial[0]) + 1
 
 
 @kernel
@@ -172,10 +185,9 @@ def side_of_ring(
 @kernel
 def is_of(color: Row, classes: Bytes, pixel: Bytes) -> bool:
     """Whether a pixel (blue green red) is of a color (a row of COLOR)."""
-    blue, green, red = np.intp(pixel[0]), np.intp(pixel[1]), np.intp(pixel[2])
     if not color.by_seed:
-        return bool(color.classes[classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]])
-    luma, cb, cr = luma_and_chroma(float(blue), float(green), float(red))
+        return bool(color.classes[classes[color_cell(pixel[0], pixel[1], pixel[2])]])
+    luma, cb, cr = luma_and_chroma(float(pixel[0]), float(pixel[1]), float(pixel[2]))
     if abs(luma - color.luma) > color.luma_tolerance:
         return False
     return bool((cb - color.cb) ** 2 + (cr - color.cr) ** 2 <= color.chroma_tolerance**2)
@@ -190,22 +202,23 @@ def luma_and_chroma(blue: float, green: float, red: float) -> tuple[float, float
 
 @kernel
 def grow_region(
-    pixels: Bytes, classes: Bytes, x: int, y: int, color: Row, memory: Memory, budget_px: int
+    pixels: Bytes, classes: Bytes, x: int, y: int, color: Row, buffers: GrowingBuffers, budget_px: int
 ) -> tuple[bool, int]:
-    """Grow the region of a pixel into memory.blob; whether it is complete, and the length of its rim.
+    """Grow the region of a pixel into buffers.blob; whether it is complete, and how many pixels lie round it.
 
-    It is not when it has more pixels than the budget, or a front longer than the queues.
+    It is incomplete with more pixels than the budget, or a front longer than the queues.
     """
-    stamps, members, candidates, rim = memory.stamps, memory.members, memory.candidates, memory.rim
-    memory.serial[0] += 1
-    serial = memory.serial[0]
+    stamps, members, candidates, edge = buffers.stamps, buffers.members, buffers.candidates, buffers.edge
+    buffers.serial[0] += 1
+    serial = buffers.serial[0]
     members[0, 0], members[0, 1] = x, y
     stamps[y, x] = 2 * serial + 1
-    area = sum_x = sum_y = rims = 0
+    area = sum_x = sum_y = edge_count = 0
     left = right = x
     top = bottom = y
     front, complete = 1, True
     while front and complete:
+        # the members of the front count, and queue their neighbors
         waiting = 0
         for member in range(front):
             px, py = members[member, 0], members[member, 1]
@@ -215,6 +228,7 @@ def grow_region(
             left, right, top, bottom = min(left, px), max(right, px), min(top, py), max(bottom, py)
             waiting = add_neighbors(px, py, stamps, serial, candidates, waiting)
         complete = area <= budget_px and waiting <= len(candidates) - 8
+        # neighbors of the color are the next front
         front = 0
         for candidate in range(waiting):
             px, py = candidates[candidate, 0], candidates[candidate, 1]
@@ -222,15 +236,14 @@ def grow_region(
                 stamps[py, px] = 2 * serial + 1
                 members[front, 0], members[front, 1] = px, py
                 front += 1
-            elif rims < len(rim):
-                rim[rims, 0], rim[rims, 1] = px, py
-                rims += 1
-    blob = memory.blob[0]
-    blue, green, red = np.intp(pixels[y, x, 0]), np.intp(pixels[y, x, 1]), np.intp(pixels[y, x, 2])
-    blob.color = classes[(blue >> 3) << 11 | (green >> 2) << 5 | red >> 3]
+            elif edge_count < len(edge):
+                edge[edge_count, 0], edge[edge_count, 1] = px, py
+                edge_count += 1
+    blob = buffers.blob[0]
+    blob.color = classes[color_cell(pixels[y, x, 0], pixels[y, x, 1], pixels[y, x, 2])]
     blob.area_px, blob.x_px, blob.y_px = area, sum_x / area, sum_y / area
     blob.left, blob.top, blob.right, blob.bottom = left, top, right, bottom
-    return complete, rims
+    return complete, edge_count
 
 
 @kernel
@@ -253,18 +266,20 @@ def add_neighbors(
 
 
 @kernel
-def surrounding_share(pixels: Bytes, classes: Bytes, around: Row, limits: Row, memory: Memory, rim: int) -> float:
+def surrounding_share(
+    pixels: Bytes, classes: Bytes, around: Row, limits: Row, buffers: GrowingBuffers, edge_count: int
+) -> float:
     """Share of the pixels gap_px + 1 ... gap_px + ring_px layers outside a region, just grown, that are of a color.
 
     A region that fills the picture has no surroundings: 0.
     """
-    layer, beyond = memory.rim, memory.candidates
-    serial, count, alike, judged = memory.serial[0], rim, 0, 0
+    layer, beyond = buffers.edge, buffers.candidates
+    serial, count, alike, judged = buffers.serial[0], edge_count, 0, 0
     for distance in range(1, limits.gap_px + limits.ring_px + 1):
         if distance > 1:
             waiting = 0
             for pixel in range(count):
-                waiting = add_neighbors(layer[pixel, 0], layer[pixel, 1], memory.stamps, serial, beyond, waiting)
+                waiting = add_neighbors(layer[pixel, 0], layer[pixel, 1], buffers.stamps, serial, beyond, waiting)
             layer, beyond, count = beyond, layer, waiting
         if distance > limits.gap_px:
             judged += count

@@ -1,24 +1,21 @@
-"""One object followed from picture to picture by region growing."""
+"""Follows one object from picture to picture by region growing."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from vision_core.blobs.growing import LIMITS, NOT_FOUND, grow, memory_for, step_for
+from bench.region_growing.region import LIMITS, NOT_FOUND, grow, growing_buffers, step_for
 from vision_core.clock import Instant, seconds_between
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import read_only
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import CELL_COUNT, ColorTable
 from vision_core.types.tables import Table
-
-CELLS = 1 << 16
-"""Of the color table."""
 
 
 @dataclass(frozen=True, slots=True)
 class GrowingLimits:
-    """What makes a region the object."""
+    """Which region is the object."""
 
     min_area_px: int
     max_area_px: int
@@ -27,15 +24,15 @@ class GrowingLimits:
     min_around: float = 0.5
     """Least share of the surrounding pixels that have it."""
     gap_px: int = 2
-    """Layers next to the region that are left out: there its color and the others mix."""
+    """Layers next to the region that are left out, since colors mix there."""
     ring_px: int = 2
     """Layers beyond that are looked at."""
     near_px: float = 40.0
-    """Found farther from where it was predicted, it is thought to start over at rest."""
+    """Found farther from where it was predicted, the object is taken to be at rest again."""
     patience_s: float = 0.0
-    """So long after it was seen last it is looked for no farther than near_px away, when others look like it."""
+    """So long after it was seen last it is searched at most near_px away, so that no similar object is taken for it."""
     budget_px: int = 1_000_000
-    """So many pixels are grown in one picture at most, in all regions together."""
+    """Limit of the pixels grown in one picture, in all regions together."""
 
     def row(self, search_px: int) -> Table:
         """As a table of one row; search_px: how far from the start rings are looked at."""
@@ -48,11 +45,11 @@ class GrowingLimits:
 
 
 class GrowingTracker:
-    """Follows one object from picture to picture, in memory that is taken once.
+    """Follows one object from picture to picture, in memory that is allocated once.
 
-    It looks first where the object is predicted from its last two places, at the start in the picture's middle. A
-    picture without it makes it lost: the search goes over the whole picture, each time, until the object is found;
-    at once, or when the patience with it ends.
+    The search starts where the object is predicted from its last two places, at first in the picture's middle. When a
+    picture does not show the object it is lost, and the search covers the whole picture until it is found again: at
+    once, or after ``patience_s``.
     """
 
     def __init__(
@@ -66,8 +63,8 @@ class GrowingTracker:
     ) -> None:
         """color: a row of COLOR; table: whose classes it names, not needed for a seed; start_px: where it is looked
         for first, x and y."""
-        self._memory = memory_for(width_px, height_px)
-        self._classes = read_only(np.zeros(CELLS, dtype=np.uint8) if table is None else table.classes)
+        self._buffers = growing_buffers(width_px, height_px)
+        self._classes = read_only(np.zeros(CELL_COUNT, dtype=np.uint8) if table is None else table.classes)
         self._color = color
         self._around = color if limits.around is None else limits.around
         self._everywhere = limits.row(max(width_px, height_px))
@@ -77,9 +74,9 @@ class GrowingTracker:
         self._vx_px_s = self._vy_px_s = 0.0
         self._seen: Instant | None = None
         self.lost = True
-        """The last picture did not show it, or there was none."""
+        """The last picture did not show the object, or there was no picture."""
         self.around = 0.0
-        """Share of its surroundings that have the wanted color; 1 when that is not looked at."""
+        """Share of its surroundings that have the color `around`; 1 when that is not looked at."""
 
     @property
     def last_px(self) -> tuple[float, float]:
@@ -98,18 +95,18 @@ class GrowingTracker:
 
         Returns a table of one BLOB, the tracker's own: the next call overwrites it. None: the picture does not show it.
         """
-        assert pixels.shape == (*self._memory.stamps.shape, 3), f"{pixels.shape} is another size"
+        assert pixels.shape == (*self._buffers.stamps.shape, 3), f"{pixels.shape} is another size"
         x, y = self.predict(at)
         waiting = self._seen is not None and seconds_between(self._seen, at) <= self._patience_s
         limits = self._nearby if waiting else self._everywhere
-        around = grow(read_only(pixels), self._classes, x, y, self._color, self._around, limits, self._memory)
+        around = grow(read_only(pixels), self._classes, x, y, self._color, self._around, limits, self._buffers)
         if around == NOT_FOUND:
             self.lost = True
             return None
-        found = float(self._memory.blob["x_px"][0]), float(self._memory.blob["y_px"][0])
+        found = float(self._buffers.blob["x_px"][0]), float(self._buffers.blob["y_px"][0])
         self._move(*found, at, steady=not self.lost and math.dist((x, y), found) <= self._near_px)
         self.around = around
-        return self._memory.blob
+        return self._buffers.blob
 
     def _move(self, x: float, y: float, at: Instant, *, steady: bool) -> None:
         t = seconds_between(self._seen, at) if steady and self._seen is not None else 0.0

@@ -1,4 +1,6 @@
-/* Twin of vision_core.net.batch.send_all: one send per connected socket, in a given order. */
+/* Baseline of vision_core.net's compiled send: one send per connected socket, in a given order.
+
+   Fills results with the return value of each send; returns how many datagrams were sent whole. */
 
 #include <stdint.h>
 #include <sys/socket.h>

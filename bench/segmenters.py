@@ -1,0 +1,62 @@
+"""The two segmentations as objects that own their memory, for benchmarks and tests. The service calls the kernels."""
+
+import numpy as np
+
+from vision_core.blobs.row_scan import Boxes, segment_buffers, segment_picture
+from vision_core.blobs.run_lengths import run_buffers, segment_runs
+from vision_core.geometry import Bytes
+from vision_core.native.kernels import read_only
+from vision_core.settings.schema import BlobSettings
+from vision_core.types.colors import ColorTable
+from vision_core.types.prefilter import ColorPrefilter
+from vision_core.types.tables import BLOB, Table
+
+
+class ReferenceSegmenter:
+    """Finds the blobs of pictures of one size by the reference segmentation: every pixel is read.
+
+    Not to be shared between threads: two calls would write into the same tables.
+    """
+
+    def __init__(self, width_px: int, height_px: int, settings: BlobSettings) -> None:
+        self._shape = (height_px, width_px, 3)
+        self._min_area_px = settings.min_area_px
+        self._buffers = run_buffers(settings)
+        self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
+        """Filled by ``segment``, in scan order."""
+
+    def segment(self, pixels: Bytes, table: ColorTable) -> tuple[int, bool]:
+        """Fill ``blobs``: how many there are, and whether there was room for all.
+
+        pixels: shape (height, width, 3), contiguous, blue green red.
+        """
+        assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
+        return segment_runs(read_only(pixels), read_only(table.classes), self._min_area_px, self._buffers, self.blobs)
+
+
+class RowScanSegmenter:
+    """Finds the blobs of pictures of one size that are at least so high, and most of the others, by the row scan.
+
+    Not to be shared between threads. The first rows of ``blobs`` are the result of the last call of ``segment``.
+    """
+
+    def __init__(self, width_px: int, height_px: int, settings: BlobSettings, min_height_px: int) -> None:
+        self._shape = (height_px, width_px, 3)
+        self._buffers = segment_buffers(width_px, height_px, settings, min_height_px)
+        self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
+        self._no_windows = np.zeros((0, 4), dtype=np.int32)
+
+    def segment(
+        self, pixels: Bytes, table: ColorTable, prefilter: ColorPrefilter, windows: Boxes | None = None
+    ) -> tuple[int, bool]:
+        """How many blobs were found, and whether there was room for all; in another order than the reference.
+
+        pixels: shape (height, width, 3), blue green red. prefilter: made from the same table. windows: left, top,
+        right, bottom, inclusive, shape (n, 4): where to look beside the rolling scan band; None: everywhere.
+        """
+        assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
+        whole = windows is None
+        boxes = self._no_windows if windows is None else np.ascontiguousarray(windows, dtype=np.int32)
+        return segment_picture(
+            read_only(pixels), read_only(table.classes), prefilter, boxes, len(boxes), whole, self._buffers, self.blobs
+        )
