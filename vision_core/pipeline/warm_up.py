@@ -9,14 +9,14 @@ import sys
 import msgspec
 import numpy as np
 
-from vision_core.blobs.rows import segment_picture
+from vision_core.blobs.row_scan import segment_picture
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
-from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.kernels import compile_for_kernels, field_type, read_only
 from vision_core.net.delivery import Batch, DeliveryTable
 from vision_core.objects.ball.finder import find_balls
+from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
@@ -75,34 +75,33 @@ def camera(settings: Settings) -> None:
 
 def compile_blobs(settings: Settings) -> None:
     """Compile the segmentation for ``perceive_picture``, and what judges the light."""
-    stage, picture, _ = _prepared(settings)
+    stage, seen, _ = _prepared(settings)
     stage.lighting.warm_up()
     eyes = stage.eyes
     compile_for_kernels(
-        segment_picture, picture, eyes.searched, eyes.candidates, eyes.windows, 0, False, eyes.segment, stage.blobs
+        segment_picture, seen.pixels, eyes.searched, eyes.prefilter, eyes.windows, 0, False, eyes.segment, seen.blobs
     )
 
 
 def compile_robots(settings: Settings) -> None:
     """Compile the finder of robots for ``perceive_picture``."""
-    stage, picture, seen = _prepared(settings)
-    eyes = stage.eyes
-    compile_for_kernels(
-        find_robots, stage.blobs, 0, picture, eyes.classes, eyes.camera, eyes.robots, field_type(seen, "robots")
-    )
+    stage, seen, sightings = _prepared(settings)
+    compile_for_kernels(find_robots, seen, stage.eyes.robots, field_type(sightings, "robots"))
 
 
 def compile_balls(settings: Settings) -> None:
     """Compile the finder of balls for ``perceive_picture``."""
-    stage, picture, seen = _prepared(settings)
-    eyes, robots, balls = stage.eyes, field_type(seen, "robots"), field_type(seen, "balls")
-    compile_for_kernels(find_balls, stage.blobs, 0, picture, eyes.classes, eyes.camera, robots, 0, eyes.balls, balls)
+    stage, seen, sightings = _prepared(settings)
+    robots, balls = field_type(sightings, "robots"), field_type(sightings, "balls")
+    compile_for_kernels(find_balls, seen, robots, 0, stage.eyes.balls, balls)
 
 
-def _prepared(settings: Settings) -> tuple[Perception, Bytes, Table]:
-    """Perception, a picture as its kernels take it, and a table of sightings."""
+def _prepared(settings: Settings) -> tuple[Perception, Observation, Table]:
+    """Perception, what its finders look at, and a table of sightings."""
     setup = CameraSetup.from_settings(settings)
-    return Perception(settings, setup), read_only(setup.black_image()), SightingsTable().whole
+    stage = Perception(settings, setup)
+    seen = Observation(stage.blobs, 0, read_only(setup.black_image()), stage.eyes.classes, stage.eyes.camera)
+    return stage, seen, SightingsTable().whole
 
 
 COMPILERS = {
