@@ -7,7 +7,9 @@ read in one way only is refused: see ``docs/patterns.md``.
 import math
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import combinations
+from pathlib import Path
 from typing import Annotated
 
 import msgspec
@@ -84,8 +86,21 @@ class Pattern(Record, frozen=True):
 
 
 def load_pattern(name: str) -> Pattern:
-    """A pattern by its file's name in config/patterns, or by a path. Raises SettingsError."""
-    layer = read_layer(find_file("patterns", name))
+    """A pattern by its file's name in config/patterns, or by a path.
+
+    A process parses and checks each file once, and again when the file has changed. Raises SettingsError.
+    """
+    path = find_file("patterns", name)
+    try:
+        changed_ns = path.stat().st_mtime_ns
+    except (OSError, ValueError):  # ValueError: a NUL character in the name
+        changed_ns = 0  # reading it says why
+    return _loaded(path.absolute(), changed_ns)
+
+
+@lru_cache(maxsize=32)
+def _loaded(path: Path, _changed_ns: int) -> Pattern:
+    layer = read_layer(path)
     try:
         pattern = msgspec.convert(layer.table, Pattern)
     except msgspec.ValidationError as error:
