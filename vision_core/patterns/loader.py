@@ -1,7 +1,7 @@
-"""Loads marker patterns from ``config/patterns``: what robots wear, as data.
+"""Loads marker patterns from files (``config/patterns``, or one's own) and checks them.
 
-Robot space: origin at the robot's center, x forward, y left; millimetres. A pattern that a camera could not
-read in one way only is refused: see ``docs/patterns.md``.
+Robot space: origin at the robot's center, x forward, y left; millimetres. Ambiguous patterns are refused: see
+``docs/patterns.md``.
 """
 
 import math
@@ -31,10 +31,10 @@ from vision_core.types.objects import Team
 from vision_core.venues.loader import Layer, find_file, read_layer
 
 TEAM, CODE = "team", "code"
-"""Colors of patches that differ from robot to robot; any other color is a color class that all wear."""
+"""Names for the colors of patches that differ from robot to robot; any other color is a class that all robots wear."""
 
 MAX_OVERLAP_MM = 0.6
-"""Scissors are not more exact."""
+"""Patches may overlap by this width: cutting by hand is no more exact."""
 MAX_BEYOND_MM = 0.05
 MIN_WIDTH_MM = 2.0
 HIGHEST_ID = 255
@@ -58,7 +58,7 @@ class Code(Record, frozen=True):
 
 
 class Pattern(Record, frozen=True):
-    """A marker: one patch in the team's color, and further ones that tell heading and id."""
+    """A marker: one patch in the team's color, and further ones from which heading and id follow."""
 
     name: Annotated[str, Meta(min_length=1)]
     robot: RobotShape

@@ -103,7 +103,7 @@ def _sections(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Itera
         along = np.gradient(places, axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
             normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(along[:, 0], along[:, 1])[:, None]
-            usable = ((places >= 0.0) & (places <= size - 1.0) & np.isfinite(normals)).all(axis=1)
+            usable = np.asarray(((places >= 0.0) & (places <= size - 1.0) & np.isfinite(normals)).all(axis=1))
         for start in range(0, len(line), POINTS_PER_SECTION):
             chosen = np.flatnonzero(usable[start : start + POINTS_PER_SECTION]) + start
             if len(chosen) < MIN_POINTS:
