@@ -1,4 +1,4 @@
-"""``pslv evaluate``: how much of what pictures show is found."""
+"""``pslv evaluate``: recall and precision on pictures with truth files."""
 
 import json
 from collections.abc import Sequence
@@ -51,7 +51,7 @@ def evaluate(
 
 def _print(scores: Sequence["PictureScore"], sums: dict[str, Any]) -> None:
     out = Console(highlight=False)
-    table = Table("picture", "robots", "balls", "missed", "false", "what was said", expand=False)
+    table = Table("picture", "robots", "balls", "missed", "false", "reasons", expand=False)
     for score in scores:
         table.add_row(
             score.file.name,

@@ -1,4 +1,4 @@
-"""``pslv patterns``: which markers there are, how well they can be told apart, and sheets to print."""
+"""``pslv patterns``: list markers, check how well they can be distinguished, and print them."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -32,7 +32,7 @@ def list_patterns() -> None:
 
 @app.command("check")
 def check(names: Names = None, venue: PaletteVenue = None, config: ConfigFile = None) -> None:
-    """Say how well ids and headings can be told apart; exit status 2 for what is refused.
+    """Print how well ids and headings can be distinguished; exit status 2 for a pattern that is refused.
 
     Several names are a set that is seen on one field. Without names: the venue's patterns, or every shipped one.
     """
@@ -107,14 +107,14 @@ def _ids(pattern: "Pattern", wanted: str | None) -> list[int]:
 
 
 def _print(report: "PatternReport") -> None:
-    ways = "one way" if report.turns == 1 else f"{report.turns} ways, which colors tell apart"
+    ways = "one way" if report.turns == 1 else f"{report.turns} ways, distinguished by colors"
     least = report.fewest_differences
     differ = (
         "one id" if least is None else f"any two ids differ in {least} {'patch' if least == 1 else 'patches'} or more"
     )
     typer.echo(f"{report.name}: {report.ids} ids, in order")
     typer.echo(f"  ids       {differ}; the patches lie on themselves in {ways}")
-    typer.echo(f"  heading   {'told by colors alone' if report.rival is None else _rival(report.rival)}")
+    typer.echo(f"  heading   {'distinguished by colors alone' if report.rival is None else _rival(report.rival)}")
     typer.echo(
         f"  patches   smallest {report.smallest_mm:.1f} mm wide: under 5 px when a pixel shows more than "
         f"{report.coarsest_mm_per_px:.1f} mm"

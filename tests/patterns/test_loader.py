@@ -1,5 +1,6 @@
 """Shipped patterns are in order; one that a camera could not read in one way only is refused, by name."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -102,3 +103,14 @@ def test_dots_of_a_round_robot_stay_within_its_radius(tmp_path: Path) -> None:
     text = GOOD.replace('"square"', '"circle"')
     with pytest.raises(SettingsError, match=r"patch 1 reaches 42\.43 mm from the center, the robot's radius is 37\.5"):
         load(tmp_path, text)
+
+
+def test_a_file_is_parsed_once_and_again_when_it_has_changed(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    text = (config_folder() / "patterns" / "ssl-standard.toml").read_text()
+    path.write_text(text)
+    os.utime(path, ns=(0, 10**9))
+    assert load_pattern(str(path)) is load_pattern(str(path))
+    path.write_text(text.replace('name = "', 'name = "my-'))
+    os.utime(path, ns=(0, 2 * 10**9))
+    assert load_pattern(str(path)).name.startswith("my-")

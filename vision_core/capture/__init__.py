@@ -1,13 +1,13 @@
 """Light -> images: the first stage.
 
-Theory of operation. A source is anything that fills a buffer with the next image and tells when that
-image was grabbed. It blocks until the image is there, so that the task round it is one loop, and it never
-hands out an image twice: what is gone raises SourceError, and the task opens the source anew.
+Theory of operation. An image source writes the next image into a buffer and returns when it was grabbed. It waits until
+the image has come, so the task that uses it is one loop, and it never delivers an image twice. When the device or file
+is lost it raises SourceError, and the task opens the source again.
 
-The grab instant is the one time that counts later. A camera's is the driver's own stamp of the buffer
-where there is one. Sources without a driver (files, the simulated camera) lie on an absolute grid, kept
-by one rate keeper (``pace``): late means that whole periods are left out, never that frames hurry.
+All later times refer to the instant of the grab. A camera's is the driver's time stamp of the buffer, if there is one.
+Sources without a driver (files, the simulated camera) deliver on an absolute grid of instants, made by
+``timing.rate_keeper``: a late source skips whole periods, and frames never follow each other faster.
 
-Files, outside in: ``source`` (the protocol, and which source an address means), ``playback`` (pictures and
-videos), ``camera`` (V4L2), ``synthetic`` (a rendered world), ``pace``.
+Files, outside in: ``source`` (the interface, and the choice by address), ``playback`` (pictures and videos), ``camera``
+(V4L2), ``synthetic`` (a rendered world).
 """

@@ -1,8 +1,8 @@
 """A camera of this machine, through OpenCV and Video4Linux.
 
-Not yet tried on hardware by its authors: what can be tested without a camera is, the rest follows the
-documentation of OpenCV. A camera that stops delivering is noticed when OpenCV gives up waiting, after 2 s;
-the age of the last image tells so much earlier.
+Not yet tried on hardware by its authors: what can be tested without a camera is tested, the rest follows OpenCV's
+documentation. OpenCV gives up waiting for a camera that stops delivering after 2 s; the age of the last image shows it
+much earlier.
 """
 
 from vision_core.capture.playback import check_size
@@ -13,11 +13,13 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import open_camera
 
 OLDEST_STAMP_NS = NS_PER_S
+"""A driver's time stamp that is older than this is taken for one of another clock."""
 STAMP_ROUNDING_NS = NS_PER_MS
+"""A time stamp may lie this far in the future: OpenCV gives it in milliseconds."""
 
 
 class DeviceCamera:
-    """A V4L2 camera at the size and rate of the venue. Implements Source.
+    """A V4L2 camera at the size and rate of the venue. Implements ImageSource.
 
     Raises SourceError when it does not open, delivers no image, or has another size.
     """
@@ -42,7 +44,7 @@ class DeviceCamera:
         self.description = f"camera {device}, instants by {by}"
 
     def grab(self, pixels: Bytes) -> Instant:
-        """The next image, as ``Source.grab``. Raises SourceError when none comes."""
+        """The next image, as ``ImageSource.grab``. Raises SourceError when none comes."""
         if not self._video.read(pixels):
             raise SourceError(
                 f"camera {self._device}",
@@ -55,15 +57,15 @@ class DeviceCamera:
         return self._last
 
     def close(self) -> None:
-        """Give the device back."""
+        """Release the device."""
         self._video.close()
 
 
 def driver_instant(stamp_ms: float, now: Instant) -> Instant | None:
-    """The instant of a driver's stamp [ms], or None when it is none.
+    """The instant of a driver's time stamp [ms], or None when the stamp is not of our clock.
 
-    Linux stamps buffers by CLOCK_MONOTONIC, which is our clock. Some drivers stamp by the wall clock or
-    from zero: what is older than a second, or lies in the future, is not believed.
+    Linux stamps buffers by CLOCK_MONOTONIC, which is our clock. Some drivers use the wall clock or count from zero: a
+    stamp that is older than a second or lies in the future is rejected.
     """
     stamp = round(stamp_ms * NS_PER_MS)
     if now - OLDEST_STAMP_NS <= stamp <= now:

@@ -1,5 +1,5 @@
-"""How good recognition is on pictures from files: the offline side of the pipeline, behind commands of ``pslv``.
+"""Quality of recognition on pictures from files: the work of ``pslv detect``, ``evaluate`` and ``patterns check``.
 
-``stills`` (pictures -> sightings), ``overlay`` (what was seen, drawn), ``score`` over ``truth_files`` and
-``assignment`` (recall and precision), ``pattern_colors`` (whether a venue tells a pattern's colors apart).
+``stills`` (pictures -> sightings), ``overlay`` (sightings drawn into pictures), ``score`` over ``truth_files`` and
+``assignment`` (recall and precision), ``pattern_colors`` (whether a venue's classes separate a pattern's colors).
 """

@@ -1,4 +1,4 @@
-"""Draws into pictures what was seen in them."""
+"""Draws sightings, field lines and color classes into pictures."""
 
 import math
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ BALL_COLOR: Color = (0, 140, 255)
 OBSTACLE_COLOR: Color = (200, 80, 200)
 PAINT_COLOR: Color = (255, 80, 255)
 POINTS_PER_LINE = 40
-"""A lens bends lines."""
+"""Points between which a field line is drawn straight; a lens bends it."""
 MIN_TEXT = 0.45
 GAP_PX = 3.0
 DARK: Color = (0, 0, 0)
@@ -32,7 +32,7 @@ def draw_sightings(
 ) -> Bytes:
     """A copy of a picture with every robot's outline, heading, team and id, every ball and obstacle, and the lines.
 
-    Lines beside the painted ones tell that the camera or the field's measures are wrong.
+    Lines that are drawn beside the painted ones show that the camera or the field's measures are wrong.
     """
     canvas = pixels.copy()
     for points in painted_points(settings.field, POINTS_PER_LINE):
@@ -52,7 +52,7 @@ def draw_sightings(
 
 
 def draw_classes(pixels: Bytes, table: ColorTable) -> Bytes:
-    """What segmentation makes of a picture: every class in its typical color, the rest dark and grey."""
+    """The color class of every pixel: each class in its mean color, the rest dark and grey."""
     classes = table.classes_of(pixels)
     grey = (pixels.mean(axis=2) * BACKGROUND).astype(np.uint8)
     drawn: Bytes = np.where(classes[..., None] > 0, table.mean_bgr[classes], grey[..., None])
@@ -109,7 +109,7 @@ def _ring(canvas: Bytes, center: tuple[float, float], radius_px: float, color: C
 
 
 def _label(canvas: Bytes, text: str, sides_px: tuple[float, float], bottom_px: float, color: Color) -> None:
-    """Write right of a thing, or left of it where the picture ends."""
+    """Write a text to the right of an object, or to its left at the picture's right edge."""
     height, width, _ = canvas.shape
     scale = max(MIN_TEXT, width / 3000.0)
     long, high = text_size(text, scale)

@@ -1,4 +1,4 @@
-"""Can a venue's palette tell the colors of a pattern apart?"""
+"""Does a venue's palette have the colors of a pattern, and does it separate them?"""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ from vision_core.settings.schema import Settings
 
 @dataclass(frozen=True, slots=True)
 class ColorReport:
-    """What a palette lacks for a set of colors."""
+    """Missing and overlapping classes of a palette, for a set of colors."""
 
     missing: tuple[str, ...]
     disputed: tuple[tuple[str, str, int], ...]
-    """Pairs of the classes needed that claim the same colors, and how many: the first, listed first, has them."""
+    """Pairs of needed classes with the number of colors that both contain; the first of the pair gets them."""
 
 
 def report_on_colors(colors: Collection[str], settings: Settings) -> ColorReport:

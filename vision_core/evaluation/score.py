@@ -1,7 +1,7 @@
-"""Scores what is found in pictures against their truth: what ``pslv evaluate`` prints.
+"""Scores sightings in pictures against their truth: what ``pslv evaluate`` prints.
 
-One to one, within a tolerance: as many pairs as possible, then as near as possible. A robot pairs with one
-of its team, and of its id where the truth gives one; so a wrong id counts as one robot missed and one false.
+Found and true objects are paired one to one within a tolerance: as many pairs as possible, then as near as possible. A
+robot pairs with one of its team, and of its id where the truth gives one; a wrong id is one missed and one false.
 """
 
 import math
@@ -59,13 +59,13 @@ class Score:
 
 @dataclass(slots=True)
 class PictureScore:
-    """How one picture went."""
+    """The result of one picture."""
 
     file: Path
     robots: Score
     balls: Score
     missed: list[tuple[str, float, float]] = field(default_factory=list)
-    """What the truth has and nothing pairs with: name, x, y [px]."""
+    """True objects without a pair: name, x, y [px]."""
     false: list[tuple[str, float, float]] = field(default_factory=list)
     right: list[tuple[str, float, float]] = field(default_factory=list)
     wrong_ids: int = 0
@@ -180,7 +180,7 @@ def _name(team: str, number: int | None) -> str:
 
 
 def _mark(overlay: Path, score: PictureScore) -> None:
-    """Ring what was right, missed and false in the overlay that ``detect_files`` drew."""
+    """Draw rings round right, missed and false objects in the overlay that ``detect_files`` drew."""
     canvas = read_picture(overlay)
     marks: tuple[tuple[str, Color, list[tuple[str, float, float]]], ...] = (
         ("", RIGHT_COLOR, score.right),

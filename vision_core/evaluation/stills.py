@@ -38,7 +38,7 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
 
 
 def detect_still(file: Path, perception: Perception, draw: Path | None = None) -> dict[str, object]:
-    """What one picture shows. Raises SourceError when it cannot be read, has another size, or the overlay fails."""
+    """The table of one picture. Raises SourceError when it cannot be read, has another size, or the overlay fails."""
     settings = perception.settings
     camera = perception.camera
     pixels = read_picture(file, camera.size_px)

@@ -1,5 +1,6 @@
-"""Markers: what a pattern file says, and what can be told about it without a picture.
+"""Markers: pattern files, and what follows from them without a picture.
 
 ``geometry`` (patches as polygons and disks), ``loader`` (a pattern file, checked), ``distinctness`` (which ids can be
-mistaken for one another), ``paints`` (colors for drawing and printing), ``sheets`` (pages to print).
+confused), ``paints`` (colors for drawing and printing), ``match_rules`` (ids for all robots of
+a match), ``sheets`` (pages to print).
 """

@@ -1,6 +1,6 @@
-"""How well the ids and headings of patterns can be told apart: what ``pslv patterns check`` prints.
+"""How well the ids and headings of patterns can be distinguished: the report of ``pslv patterns check``.
 
-``load_pattern`` refuses what cannot be told apart at all; here are the figures of what can.
+``load_pattern`` refuses patterns that are ambiguous; this module measures the margin of those that are not.
 """
 
 import math
@@ -10,12 +10,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.geometry import Floats
-from vision_core.patterns.geometry import Shape, depth_mm, middle_mm, rim_mm, turned_mm, turns_onto_itself, width_mm
+from vision_core.patterns.geometry import (
+    PatchShape,
+    depth_mm,
+    middle_mm,
+    rim_mm,
+    turned_mm,
+    turns_onto_itself,
+    width_mm,
+)
 from vision_core.patterns.loader import Pattern, looks
 from vision_core.types.objects import Team
 
 MIN_PX = 5.0
-"""A blob narrower than this has no color of its own: its rim is mixed with what lies round it."""
+"""A blob narrower than this has no pixel of its pure color: its edge is mixed with its surroundings."""
 TURN_STEP_DEG = 3
 
 
@@ -27,7 +35,7 @@ class Rival:
     other: str
     turn_deg: float
     off_mm: float
-    """How far the patch that fits worst is off its place, every color being right."""
+    """Distance by which the worst fitting patch is off its place, when all colors are equal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,18 +45,18 @@ class PatternReport:
     name: str
     ids: int
     turns: int
-    """In how many ways its patches lie on themselves when turned; colors alone tell these headings apart."""
+    """Number of turns that lay the patches on themselves; colors alone distinguish these headings."""
     fewest_differences: int | None
-    """Patches whose color differs between two ids of a team, at least, in whatever way they lie; None: one id."""
+    """Least number of patches whose color differs between two ids of a team, over all turns; None: one id only."""
     rival: Rival | None
-    """None: colors alone tell everything apart."""
+    """None: no two robots have the same colors in any turn."""
     smallest_mm: float
     """Width of the smallest patch."""
     colors: tuple[str, ...]
 
     @property
     def coarsest_mm_per_px(self) -> float:
-        """At a coarser resolution the smallest patch is narrower than MIN_PX."""
+        """Coarsest resolution at which the smallest patch is MIN_PX wide."""
         return self.smallest_mm / MIN_PX
 
 
@@ -68,9 +76,9 @@ def report_on(pattern: Pattern) -> PatternReport:
 
 
 def nearest_rival(pattern: Pattern, other: Pattern) -> Rival | None:
-    """The robots of two patterns (or of one) that look most alike; None where no color has a partner.
+    """The robots of two patterns (or of one) that look most alike; None when no two have the same colors.
 
-    Both are laid with their middles on each other and turned in steps of three degrees.
+    The centers of both are laid on each other, and one is turned in steps of three degrees.
     """
     turns = np.arange(0, 360, TURN_STEP_DEG)
     misfits = _misfits(pattern.patches, other.patches, np.radians(turns))
@@ -89,7 +97,7 @@ def nearest_rival(pattern: Pattern, other: Pattern) -> Rival | None:
 
 
 def _away_from_itself(off: Floats) -> Floats:
-    """A marker that is hardly turned looks like itself: only where it comes nearer to itself again does it count."""
+    """Distances without those of small turns, at which every marker resembles itself: only further minima count."""
     comes_nearer = (off <= np.roll(off, 1)) & (off <= np.roll(off, -1))
     comes_nearer[0] = False
     return np.where(comes_nearer, off, math.inf)
@@ -103,8 +111,8 @@ def _pairs(pattern: Pattern, other: Pattern) -> Iterator[tuple[Look, Look]]:
     return ((one, another) for one in looks(pattern) for another in others)
 
 
-def _misfits(shapes: tuple[Shape, ...], others: tuple[Shape, ...], turns: Floats) -> Floats:
-    """How far each patch, turned, is off each other one, at most; shape (turns, n, m) [mm]."""
+def _misfits(shapes: tuple[PatchShape, ...], others: tuple[PatchShape, ...], turns: Floats) -> Floats:
+    """Largest distance between the edges of each turned patch and each other patch; shape (turns, n, m) [mm]."""
     middle, other_middle = np.array(middle_mm(shapes)), np.array(middle_mm(others))
     rims, other_rims = [rim_mm(shape) for shape in shapes], [rim_mm(shape) for shape in others]
     misfits = np.empty((len(turns), len(shapes), len(others)))

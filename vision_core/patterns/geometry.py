@@ -1,7 +1,7 @@
 """Plane geometry of a marker's patches: colored circles and polygons, in robot space, millimetres.
 
-Every question is answered from one function, the signed depth of points in a patch: what lies inside, how far
-two patches are apart, whether a turned patch is another one.
+All follows from one function, the signed depth of points in a patch: whether a point lies inside, how far two patches
+are apart, whether a turned patch coincides with another one.
 """
 
 import math
@@ -19,14 +19,14 @@ Polygon: TypeAlias = Sequence[tuple[float, float]]
 """Corners, of which the last is the first."""
 
 SAME_MM = 2.0
-"""Edges nearer than this are one to a camera."""
+"""Edges nearer than this to each other look like one to a camera."""
 GRID_MM, GRID_STEPS = 0.5, 250
-"""Points inside of patches: so near to each other, but at most so many along a side."""
+"""Distance between sample points inside of patches, and their largest number along a side."""
 RIM_POINTS = 48
-"""Of a circle."""
+"""Points on the edge of a circle."""
 
 
-class Shape(Protocol):
+class PatchShape(Protocol):
     """A circle (center x, y, diameter) or a closed polygon; exactly one of them."""
 
     @property
@@ -35,15 +35,15 @@ class Shape(Protocol):
     def polygon_mm(self) -> Polygon | None: ...
 
 
-def area_mm2(shape: Shape) -> float:
-    """How much paper it is."""
+def area_mm2(shape: PatchShape) -> float:
+    """Area of a patch."""
     if shape.circle_mm is not None:
         return math.pi * (shape.circle_mm[2] / 2.0) ** 2
     return abs(_signed_area(_corners(shape)))
 
 
-def centroid_mm(shape: Shape) -> tuple[float, float]:
-    """Where the center of its blob is."""
+def centroid_mm(shape: PatchShape) -> tuple[float, float]:
+    """Center of area of a patch: where its blob's center is."""
     if shape.circle_mm is not None:
         return shape.circle_mm[:2]
     corners = _corners(shape)
@@ -53,15 +53,15 @@ def centroid_mm(shape: Shape) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def middle_mm(shapes: Sequence[Shape]) -> tuple[float, float]:
+def middle_mm(shapes: Sequence[PatchShape]) -> tuple[float, float]:
     """Center of area of all patches together."""
     areas = np.array([area_mm2(shape) for shape in shapes])
     x, y = areas @ np.array([centroid_mm(shape) for shape in shapes]) / areas.sum()
     return float(x), float(y)
 
 
-def depth_mm(shape: Shape, points_mm: Floats) -> Floats:
-    """How far points, shape (n, 2), lie inside: the distance to the nearest edge, negative outside; shape (n,)."""
+def depth_mm(shape: PatchShape, points_mm: Floats) -> Floats:
+    """Depth of points, shape (n, 2), in a patch: distance to the nearest edge, negative outside; shape (n,)."""
     if shape.circle_mm is not None:
         x, y, diameter = shape.circle_mm
         from_center: Floats = np.hypot(points_mm[:, 0] - x, points_mm[:, 1] - y)
@@ -76,12 +76,12 @@ def depth_mm(shape: Shape, points_mm: Floats) -> Floats:
     return np.where(_inside(corners, points_mm), edge, -edge)
 
 
-def contains(shape: Shape, points_mm: Floats) -> Mask:
-    """Which points, shape (n, 2), lie in it; shape (n,)."""
+def contains(shape: PatchShape, points_mm: Floats) -> Mask:
+    """Which points, shape (n, 2), lie in a patch; shape (n,)."""
     return np.asarray(depth_mm(shape, points_mm) > 0.0)
 
 
-def rim_mm(shape: Shape, step_mm: float = SAME_MM) -> Floats:
+def rim_mm(shape: PatchShape, step_mm: float = SAME_MM) -> Floats:
     """Points of its edge, corners included, nearer to each other than a step; shape (n, 2)."""
     if shape.circle_mm is not None:
         x, y, diameter = shape.circle_mm
@@ -95,7 +95,7 @@ def rim_mm(shape: Shape, step_mm: float = SAME_MM) -> Floats:
     return np.concatenate(pieces)
 
 
-def box_mm(shape: Shape) -> tuple[Floats, Floats]:
+def box_mm(shape: PatchShape) -> tuple[Floats, Floats]:
     """Its lower left and upper right corner, shape (2,) each."""
     if shape.circle_mm is not None:
         x, y, diameter = shape.circle_mm
@@ -105,7 +105,7 @@ def box_mm(shape: Shape) -> tuple[Floats, Floats]:
     return corners.min(axis=0), corners.max(axis=0)
 
 
-def inner_points_mm(shape: Shape) -> Floats:
+def inner_points_mm(shape: PatchShape) -> Floats:
     """An even grid of points in it; shape (n, 2), empty for a sliver."""
     low, high = box_mm(shape)
     step = max(GRID_MM, float((high - low).max()) / GRID_STEPS)
@@ -115,7 +115,7 @@ def inner_points_mm(shape: Shape) -> Floats:
     return points[contains(shape, points)]
 
 
-def width_mm(shape: Shape) -> float:
+def width_mm(shape: PatchShape) -> float:
     """Diameter of the largest disc that fits into it: what a camera must resolve."""
     if shape.circle_mm is not None:
         return shape.circle_mm[2]
@@ -123,8 +123,8 @@ def width_mm(shape: Shape) -> float:
     return 2.0 * float(depth_mm(shape, points).max()) if len(points) else 0.0
 
 
-def overlap_mm(shape: Shape, other: Shape) -> float:
-    """How wide what two patches share is; 0 when they touch or are apart."""
+def overlap_mm(shape: PatchShape, other: PatchShape) -> float:
+    """Width of the overlap of two patches; 0 when they touch or are apart."""
     (low, high), (other_low, other_high) = box_mm(shape), box_mm(other)
     if (high <= other_low).any() or (other_high <= low).any():
         return 0.0
@@ -135,14 +135,14 @@ def overlap_mm(shape: Shape, other: Shape) -> float:
     return max(0.0, 2.0 * float(depth.max()))
 
 
-def gap_mm(shape: Shape, other: Shape) -> float:
-    """The way from one patch to another; 0 when they touch."""
+def gap_mm(shape: PatchShape, other: PatchShape) -> float:
+    """Distance between two patches; 0 when they touch."""
     nearest = max(float(depth_mm(shape, rim_mm(other)).max()), float(depth_mm(other, rim_mm(shape)).max()))
     return max(0.0, -nearest)
 
 
-def reach_mm(shape: Shape, outline: str) -> float:
-    """How far it reaches from the robot's center: half the side of the upright square round it, or a radius."""
+def reach_mm(shape: PatchShape, outline: str) -> float:
+    """Radius of the circle round the robot's center that holds a patch; outline "square": half side of the square."""
     if shape.circle_mm is not None:
         x, y, diameter = shape.circle_mm
         return diameter / 2.0 + (max(abs(x), abs(y)) if outline == "square" else math.hypot(x, y))
@@ -151,7 +151,7 @@ def reach_mm(shape: Shape, outline: str) -> float:
 
 
 def crosses_itself(corners_mm: Polygon) -> bool:
-    """Do two sides of a closed polygon meet anywhere but in the corner that they share?"""
+    """Do two sides of a closed polygon meet elsewhere than in their common corner?"""
     sides = list(pairwise(corners_mm))
     for i, side in enumerate(sides):
         for j in range(i + 1, len(sides)):
@@ -161,11 +161,11 @@ def crosses_itself(corners_mm: Polygon) -> bool:
     return False
 
 
-def turns_onto_itself(shapes: Sequence[Shape]) -> list[tuple[float, list[int]]]:
-    """Turns [rad] that lay a set of patches on itself: with each, where every patch then lies. No turn comes first.
+def turns_onto_itself(shapes: Sequence[PatchShape]) -> list[tuple[float, list[int]]]:
+    """Turns [rad] that lay a set of patches on itself, each with the new place of every patch; the turn 0 comes first.
 
-    A camera does not know where the robot's center is: patches turn round their common middle. Discs round
-    one point stay where they are under any turn; half a turn stands for all of them.
+    A camera does not see the robot's center, so patches turn round their common center of area. Concentric discs
+    coincide after any turn; half a turn then represents all of them.
     """
     middle = np.array(middle_mm(shapes))
     found = [(0.0, list(range(len(shapes))))]
@@ -177,19 +177,19 @@ def turns_onto_itself(shapes: Sequence[Shape]) -> list[tuple[float, list[int]]]:
 
 
 def turned_mm(points_mm: Floats, turn_rad: float, middle_mm: Floats) -> Floats:
-    """Points, shape (n, 2), turned anticlockwise round another."""
+    """Points, shape (n, 2), turned anticlockwise round a center."""
     turned: Floats = (points_mm - middle_mm) @ rotation(turn_rad).T + middle_mm
     return turned
 
 
-def misfit_mm(shape: Shape, other: Shape, turn_rad: float, middle: Floats) -> float:
-    """How far the edge of one patch, turned round a point, is off that of another, at most."""
+def misfit_mm(shape: PatchShape, other: PatchShape, turn_rad: float, middle: Floats) -> float:
+    """Largest distance between the edge of one patch, turned round a point, and that of another."""
     there = np.abs(depth_mm(other, turned_mm(rim_mm(shape), turn_rad, middle))).max()
     back = np.abs(depth_mm(shape, turned_mm(rim_mm(other), -turn_rad, middle))).max()
     return float(max(there, back))
 
 
-def _candidate_turns(shapes: Sequence[Shape], middle: Floats) -> list[float]:
+def _candidate_turns(shapes: Sequence[PatchShape], middle: Floats) -> list[float]:
     """Turns that lay some landmark on another one: patch centers, or corners when all patches share one center."""
     landmarks = np.array([centroid_mm(shape) for shape in shapes]) - middle
     if np.hypot(*landmarks.T).max() < SAME_MM:
@@ -204,13 +204,13 @@ def _candidate_turns(shapes: Sequence[Shape], middle: Floats) -> list[float]:
     return sorted({round(turn, 6) for turn in turns.tolist() if least < turn < math.tau - least})
 
 
-def _place_of(shape: Shape, turn: float, middle: Floats, shapes: Sequence[Shape]) -> int | None:
+def _place_of(shape: PatchShape, turn: float, middle: Floats, shapes: Sequence[PatchShape]) -> int | None:
     misfits = [misfit_mm(shape, other, turn, middle) for other in shapes]
     best = int(np.argmin(misfits))
     return best if misfits[best] < SAME_MM else None
 
 
-def _corners(shape: Shape) -> Floats:
+def _corners(shape: PatchShape) -> Floats:
     assert shape.polygon_mm is not None
     return np.array(shape.polygon_mm, dtype=np.float64)
 
@@ -221,7 +221,7 @@ def _signed_area(corners: Floats) -> float:
 
 
 def _inside(corners: Floats, points: Floats) -> Mask:
-    """By counting the sides that a ray to the right meets."""
+    """Which points lie in a polygon: those whose ray to the right crosses an odd number of sides."""
     (x1, y1), (x2, y2) = corners[:-1].T, corners[1:].T
     x, y = points[:, :1], points[:, 1:]
     spans = (y1 > y) != (y2 > y)
@@ -252,7 +252,7 @@ def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def _folds_back(side: tuple[Point, Point], following: tuple[Point, Point]) -> bool:
-    """Do two sides with a common corner run over each other?"""
+    """Do two sides with a common corner overlap?"""
     (a, b), (c, d) = side, following
     start, corner, end = (a, b, d) if b == c else (b, a, c)
     back = (start[0] - corner[0]) * (end[0] - corner[0]) + (start[1] - corner[1]) * (end[1] - corner[1])

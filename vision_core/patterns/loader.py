@@ -1,13 +1,15 @@
-"""Loads marker patterns from ``config/patterns``: what robots wear, as data.
+"""Loads marker patterns from files (``config/patterns``, or one's own) and checks them.
 
-Robot space: origin at the robot's center, x forward, y left; millimetres. A pattern that a camera could not
-read in one way only is refused: see ``docs/patterns.md``.
+Robot space: origin at the robot's center, x forward, y left; millimetres. Ambiguous patterns are refused: see
+``docs/patterns.md``.
 """
 
 import math
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import combinations
+from pathlib import Path
 from typing import Annotated
 
 import msgspec
@@ -29,10 +31,10 @@ from vision_core.types.objects import Team
 from vision_core.venues.loader import Layer, find_file, read_layer
 
 TEAM, CODE = "team", "code"
-"""Colors of patches that differ from robot to robot; any other color is a color class that all wear."""
+"""Names for the colors of patches that differ from robot to robot; any other color is a class that all robots wear."""
 
 MAX_OVERLAP_MM = 0.6
-"""Scissors are not more exact."""
+"""Patches may overlap by this width: cutting by hand is no more exact."""
 MAX_BEYOND_MM = 0.05
 MIN_WIDTH_MM = 2.0
 HIGHEST_ID = 255
@@ -56,7 +58,7 @@ class Code(Record, frozen=True):
 
 
 class Pattern(Record, frozen=True):
-    """A marker: one patch in the team's color, and further ones that tell heading and id."""
+    """A marker: one patch in the team's color, and further ones from which heading and id follow."""
 
     name: Annotated[str, Meta(min_length=1)]
     robot: RobotShape
@@ -84,8 +86,21 @@ class Pattern(Record, frozen=True):
 
 
 def load_pattern(name: str) -> Pattern:
-    """A pattern by its file's name in config/patterns, or by a path. Raises SettingsError."""
-    layer = read_layer(find_file("patterns", name))
+    """A pattern by its file's name in config/patterns, or by a path.
+
+    A process parses and checks each file once, and again when the file has changed. Raises SettingsError.
+    """
+    path = find_file("patterns", name)
+    try:
+        changed_ns = path.stat().st_mtime_ns
+    except (OSError, ValueError):  # ValueError: a NUL character in the name
+        changed_ns = 0  # reading it says why
+    return _loaded(path.absolute(), changed_ns)
+
+
+@lru_cache(maxsize=32)
+def _loaded(path: Path, _changed_ns: int) -> Pattern:
+    layer = read_layer(path)
     try:
         pattern = msgspec.convert(layer.table, Pattern)
     except msgspec.ValidationError as error:

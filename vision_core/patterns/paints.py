@@ -13,4 +13,4 @@ PAINTS_BGR = {
     "pale": (200, 215, 215),
     "white": (235, 235, 235),
 }
-"""What markers and balls are painted with."""
+"""Paints by the name of a color class: blue, green, red."""

@@ -15,7 +15,7 @@ PAGE_MM = (210.0, 297.0)
 MARGIN_MM, LABEL_MM, ARROW_MM, BETWEEN_MM = 12.0, 6.0, 7.0, 4.0
 RULER_MM = 100
 RIM_MM = 8.0
-"""Dark ground round the patches of a large robot."""
+"""Width of the dark ground round the patches of a robot that is too large for a page."""
 RULER_ROOM_MM = 20.0
 GROUND = (30, 30, 30)
 """Tops are printed dark: no patch's color mixes with white paper."""

@@ -13,6 +13,7 @@ from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.reasons import Scene, explain_robots
 from vision_core.pipeline.perception import Perception, perceive_picture
 from vision_core.regions.exposure import exposure_reasons, field_pixels
+from vision_core.regions.line_fit import shift_reasons
 from vision_core.regions.lines import line_reasons
 from vision_core.types.objects import Sightings
 from vision_core.types.tables import SightingsTable, Table
@@ -35,6 +36,7 @@ def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
     balls = explain_balls(observation, table.robots, len(seen.robots), eyes.balls, settings.ball.color)
     conflicts = () if seen.robots and seen.balls else disputes(perception)
     lines = line_reasons(perception.raw, settings.field, camera.model)
+    lines = lines or shift_reasons(perception.raw, settings.field, camera.model)
     return (*light, *overflow, *robots, *balls, *conflicts, *lines)
 
 

@@ -1,1 +1,1 @@
-"""What can be set: ``schema`` declares every key once, with its type and range."""
+"""Settings: ``schema`` declares every key once, with its type and range."""

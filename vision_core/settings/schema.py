@@ -1,7 +1,7 @@
 """Every setting, declared once: type, range and meaning. The values stand in ``config/default.toml``.
 
-Structs are frozen, refuse unknown keys, and carry a unit in every name. ``settings_files`` loads and
-overlays the files; the web side shows the JSON schema made from these declarations.
+Structs are frozen, refuse unknown keys, and carry a unit in every name. ``venues.loader`` loads and
+merges the files; the web side shows the JSON schema made from these declarations.
 """
 
 from typing import Annotated, Literal
@@ -26,7 +26,7 @@ Point3 = tuple[float, float, float]
 
 
 class ServerSettings(Record, frozen=True):
-    """Where the service listens."""
+    """Addresses and ports at which the service listens."""
 
     host: Annotated[str, Meta(min_length=1, description="address of the web page")]
     udp_host: Annotated[str, Meta(description="address of the UDP ports; empty: the same as host")]
@@ -36,7 +36,7 @@ class ServerSettings(Record, frozen=True):
 
 
 class SourceSettings(Record, frozen=True):
-    """Where frames come from."""
+    """The source of images."""
 
     uri: Annotated[str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n or path>")]
 
@@ -58,7 +58,7 @@ class PinholeSettings(Record, frozen=True):
 
 
 class NamedPoint(Record, frozen=True):
-    """A point of the floor whose place is known in the picture and on the field."""
+    """A point of the floor with its pixel in the picture and its place on the field."""
 
     name: str
     pixel_px: Point2
@@ -86,7 +86,7 @@ class CameraSettings(Record, frozen=True):
 
 
 class SyntheticSettings(Record, frozen=True):
-    """The simulated ceiling camera: what it renders and how badly."""
+    """The simulated ceiling camera: the match that it shows, its noise and its light."""
 
     seed: Annotated[int, Meta(ge=0, le=4_294_967_295)]
     robots_per_team: Annotated[int, Meta(ge=0, le=16)]
@@ -135,7 +135,7 @@ class MirrorSettings(Record, frozen=True):
 
 
 class ColorRange(Record, frozen=True):
-    """A box in the chosen color space; what is left out is not looked at. An angle may wrap: (350, 10)."""
+    """A box in the color space; axes that are left out are not limited. A range of angles may wrap: (350, 10)."""
 
     hue_deg: tuple[Degrees, Degrees] | None = None
     saturation: tuple[Share, Share] | None = None
@@ -146,29 +146,33 @@ class ColorRange(Record, frozen=True):
 
 
 class LightSettings(Record, frozen=True):
-    """The light that the colors were tuned in, and how a picture's own is judged: venue = (pixel - black) * gain."""
+    """The light of the color tuning, and how a picture is adapted to it: (pixel - black) * gain."""
 
-    adapt: Annotated[bool, Meta(description="judge the light and see every picture as if it were the venue's")]
-    black_bgr: Annotated[tuple[Level, Level, Level], Meta(description="what the sensor says in the dark")]
+    adapt: Annotated[bool, Meta(description="measure the light and adapt every picture to the venue's")]
+    black_bgr: Annotated[tuple[Level, Level, Level], Meta(description="the sensor's level in the dark")]
     band: Annotated[
-        tuple[Share, Share], Meta(description="which samples are averaged, from the darkest to the brightest")
+        tuple[Share, Share], Meta(description="samples that are averaged: quantiles from the darkest to the brightest")
     ]
     reference_bgr: Annotated[
-        tuple[Level, Level, Level], Meta(description="their color over black in the venue's light")
+        tuple[Level, Level, Level], Meta(description="mean color of these samples over black, in the venue's light")
     ]
     white_balance: Annotated[bool, Meta(description="a gain of its own for every channel; otherwise one for all three")]
-    margin_m: Annotated[float, Meta(ge=-1.0, le=1.0, description="samples reach so far beyond the walls or limits")]
+    margin_m: Annotated[
+        float, Meta(ge=-1.0, le=1.0, description="samples are taken up to this far outside the walls or limits")
+    ]
 
 
 class SamplingSettings(Record, frozen=True):
-    """How far a sample's color reaches, in levels of the chroma."""
+    """How near a color must be to a sample to be of its class, in levels of the chroma."""
 
-    tolerance: Annotated[float, Meta(gt=0.0, le=255.0, description="farther from all samples a color is of no class")]
-    luma_weight: Annotated[float, Meta(ge=0.0, le=4.0, description="what a level of luma counts beside one of chroma")]
+    tolerance: Annotated[
+        float, Meta(gt=0.0, le=255.0, description="a color farther than this from all samples has no class")
+    ]
+    luma_weight: Annotated[float, Meta(ge=0.0, le=4.0, description="weight of a level of luma beside one of chroma")]
 
 
 class ColorSettings(Record, frozen=True):
-    """Color classes. A class is one box or several; where two claim a color, the one listed first wins."""
+    """Color classes, by boxes or by samples. Where boxes of two classes overlap, the class listed first wins."""
 
     space: Annotated[
         Literal["hsv", "ymp", "ec"],
@@ -181,20 +185,28 @@ class ColorSettings(Record, frozen=True):
 
 
 class BlobSettings(Record, frozen=True):
-    """What becomes a blob, and how much memory is taken for it."""
+    """Segmentation: which blobs are kept, the size of its buffers, how much of the picture is searched."""
 
     min_area_px: Annotated[int, Meta(ge=1, le=1_000_000, description="smaller blobs are noise")]
     max_runs: Annotated[int, Meta(ge=100, le=10_000_000)]
     max_blobs: Annotated[int, Meta(ge=10, le=1_000_000)]
-    row_step: Annotated[float, Meta(ge=0.01, le=1.0, description="between rows looked at, of the smallest dot")]
-    scan_band: Annotated[float, Meta(ge=0.001, le=1.0, description="share of the picture looked at beside the windows")]
-    max_flood_fraction: Annotated[float, Meta(ge=0.0, le=1.0, description="share of the picture; over it, all is read")]
+    row_step: Annotated[
+        float,
+        Meta(ge=0.01, le=1.0, description="distance of the rows that are searched, as a share of the smallest dot"),
+    ]
+    scan_band: Annotated[
+        float, Meta(ge=0.001, le=1.0, description="share of the picture searched per frame beside the windows")
+    ]
+    max_flood_fraction: Annotated[
+        float,
+        Meta(ge=0.0, le=1.0, description="share of the picture that blobs may cover; above it every pixel is read"),
+    ]
 
 
 class RobotShape(Record, frozen=True):
-    """A robot's body and how high its marker lies: its pattern's file says it, a venue may change it."""
+    """A robot's body and the height of its marker: set by its pattern's file, a venue may override it."""
 
-    outline: Annotated[Literal["circle", "square"], Meta(description="of the body, as views have it")]
+    outline: Annotated[Literal["circle", "square"], Meta(description="of the robot's body, seen from above")]
     radius_m: Annotated[float, Meta(gt=0.005, le=1.0, description="of the circle, or half the side of the square")]
     height_m: Annotated[float, Meta(ge=0.0, le=2.0, description="of the markers over the floor")]
 
@@ -212,18 +224,23 @@ class RobotSettings(RobotShape, frozen=True):
     min_area: Annotated[float, Meta(gt=0.0, description="smallest area of a dot as a share of the predicted one")]
     max_area: Annotated[float, Meta(gt=0.0)]
     margin_m: Annotated[float, Meta(ge=-1.0, le=5.0, description="how far outside the walls or limits robots may be")]
-    dot_tolerance_m: Annotated[float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place")]
+    dot_tolerance_m: Annotated[
+        float, Meta(gt=0.0, le=0.1, description="largest distance of a dot from its place in the marker")
+    ]
     min_confidence: Share
     circle_floor_px: Annotated[
-        float, Meta(ge=0.001, le=5.0, description="what the fit of a circle does not know of its center's deviation")
+        float,
+        Meta(
+            ge=0.001, le=5.0, description="standard deviation of a round patch's center in addition to that of its fit"
+        ),
     ]
-    polygon_floor_px: Annotated[float, Meta(ge=0.001, le=5.0, description="deviation of the center of another patch")]
+    polygon_floor_px: Annotated[float, Meta(ge=0.001, le=5.0, description="the same for other patches")]
     blue: TeamRobotSettings | None = None
     yellow: TeamRobotSettings | None = None
 
 
 class BallSettings(Record, frozen=True):
-    """The ball and what counts as one."""
+    """The ball, and which blobs may be one."""
 
     color: Annotated[str, Meta(description="name of a color class")]
     radius_m: Annotated[float, Meta(gt=0.002, le=0.5)]
@@ -231,16 +248,14 @@ class BallSettings(Record, frozen=True):
     max_area: Annotated[float, Meta(gt=0.0)]
     max_elongation: Annotated[float, Meta(ge=1.0, description="longer side of its box over the shorter one")]
     min_fill: Annotated[Share, Meta(description="least share of its box that it fills")]
-    surrounding: Annotated[
-        tuple[str, ...], Meta(description="classes of which enough must surround it; empty: not looked at")
-    ]
+    surrounding: Annotated[tuple[str, ...], Meta(description="color classes that must surround it; empty: any")]
     min_surrounding: Share
     inside_robot_m: Annotated[float, Meta(ge=0.0, description="nearer to a robot's center than this it is no ball")]
     min_confidence: Share
 
 
 class ObstacleSettings(Record, frozen=True):
-    """Things that nobody knows."""
+    """Things on the field that are neither robots nor ball."""
 
     difference: Annotated[float, Meta(gt=0.0, le=255.0, description="from the carpet, in grey levels")]
     min_radius_m: Annotated[float, Meta(gt=0.0, le=1.0)]
@@ -248,11 +263,13 @@ class ObstacleSettings(Record, frozen=True):
 
 
 class TrackSettings(Record, frozen=True):
-    """Kalman filters and the lives of tracks."""
+    """Kalman filters and when tracks end."""
 
     validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="a robot unseen for longer is gone")]
     ball_validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0)]
-    obstacle_validity_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="so long it stays without news")]
+    obstacle_validity_ms: Annotated[
+        float, Meta(gt=0.0, le=10000.0, description="an obstacle unseen for longer is gone")
+    ]
     gate_m: Annotated[float, Meta(gt=0.0, le=2.0)]
     robot_acceleration_m_s2: Positive
     robot_turn_acceleration_rad_s2: Positive
@@ -263,13 +280,13 @@ class TrackSettings(Record, frozen=True):
 
 
 class ViewSettings(Record, frozen=True):
-    """What a robot sees."""
+    """Views of robots."""
 
     r_min_m: Annotated[float, Meta(ge=0.0, description="nearest distance reported; 0: the robot's own radius")]
 
 
 class Letters(Record, frozen=True):
-    """Edge types on the wire. Robots by number: consecutive letters from the given ones."""
+    """Letters of edge types in see messages. Robots by number: consecutive letters from the given ones."""
 
     nothing: Annotated[str, Meta(pattern="^[!-~]$")]
     wall: Annotated[str, Meta(pattern="^[!-~]$")]
@@ -284,14 +301,14 @@ class Letters(Record, frozen=True):
 
 
 class ProtocolSettings(Record, frozen=True):
-    """The wire."""
+    """The protocol between server and clients."""
 
     letters: Letters
     lease_s: Annotated[float, Meta(gt=0.0, description="a version-1 client silent for longer is dropped")]
 
 
 class AdmissionSettings(Record, frozen=True):
-    """Who may connect beside loopback."""
+    """Addresses that may connect, beside the server's own machine."""
 
     subnets: Annotated[tuple[str, ...], Meta(description="addresses or subnets, 192.168.1.0/24")]
 

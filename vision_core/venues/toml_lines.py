@@ -1,4 +1,4 @@
-"""In which line of a TOML file a setting stands: the parser does not tell, and a person wants to know."""
+"""The line of a TOML file that sets a key, for messages: the parser does not keep it."""
 
 import re
 from collections.abc import Sequence
@@ -8,10 +8,10 @@ _KEY = re.compile(r"^\s*((?:[\w-]+|\"[^\"]*\")(?:\s*\.\s*(?:[\w-]+|\"[^\"]*\"))*
 
 
 def line_of(text: str, keys: Sequence[str]) -> int | None:
-    """Number of the line, from 1, that sets a key, or the nearest of its parents; None when none of them is there.
+    """Number of the line, from 1, that sets a key, or the nearest of its parents; None when none of them is set.
 
-    text: a valid TOML file; keys: the path to a value. Of what stands within one value (a table in braces, a list)
-    the line where that value begins is told.
+    text: a valid TOML file; keys: the path to a value. For a key inside a value (a table in braces, a list) it is the
+    line where that value begins.
     """
     found, depth, table = None, 0, []
     for number, line in enumerate(text.splitlines(), start=1):

@@ -14,14 +14,14 @@ from vision_core.settings.schema import Settings
 from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
 MAX_LEAP_S = 1.0
-"""A machine that was asleep need not live through the match that it missed."""
+"""Longest time by which the world advances between two images: after a pause of the machine the match goes on."""
 
 
 class SyntheticCamera:
-    """Renders a world that plays at the camera's rate. Implements Source.
+    """Renders a simulated match at the camera's rate. Implements PlayedSource.
 
-    The world starts with the first image; skipped periods pass in it too. Raises SourceError when the
-    settings describe no lens, or robots that wear what the pattern lacks.
+    The match starts with the first image; time passes in skipped periods as well. Raises SourceError when the settings
+    describe no lens, or give robots an id that the pattern lacks.
     """
 
     repeats = False
@@ -48,20 +48,20 @@ class SyntheticCamera:
 
     @property
     def truth(self) -> Truth:
-        """What the last image shows, for scoring. Raises SourceError before the first."""
+        """Where robots and ball are in the last image, for scoring. Raises SourceError before the first."""
         if self._last is None:
             raise SourceError("truth of the synthetic camera", found="no image yet", accepted="a call of grab before")
         instant, scene = self._last
         return truth_of(instant, scene, self._world.robots_worn, self._camera, self._settings)
 
     def prepare(self) -> None:
-        """Paint what stands still, and load the kernels."""
+        """Render the background, and compile or load the kernels."""
         self._renderer.draw(self._camera.black_image(), self._world.snapshot())
 
     def grab(self, pixels: Bytes) -> Instant:
-        """Render the next image, as ``Source.grab``; the instant is the middle of its exposure.
+        """Render the next image, as ``ImageSource.grab``; the instant is the middle of its exposure.
 
-        It is rendered ahead and held back until its instant: rendering costs the simulator time, not the service.
+        It is rendered before its instant and delivered then: the time of rendering does not appear in the lags.
         """
         renderer = self._renderer
         instant = self.keeper.choose()
@@ -74,4 +74,4 @@ class SyntheticCamera:
         return self.keeper.sleep()
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """No file or device is open."""

@@ -1,4 +1,4 @@
-"""What robots want: one keeper and one chaser per team, the others wander; all keep out of each other's way."""
+"""Behavior of simulated robots: per team one keeper and one chaser, the others wander; all avoid each other."""
 
 import math
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class Players:
         self._chasers: dict[Team, int] = {}
 
     def decide(self, robots: Floats, ball: Floats, time_s: float, wishes: Floats, *, in_play: bool) -> None:
-        """Write what every robot wants, shape (n, 3), and kick the ball where one does, in place."""
+        """Write the wanted velocity of each robot, rows vx, vy, turn, shape (n, 3), and let robots kick the ball."""
         if not self._most_m_s:
             return
         self._choose_chasers(robots, ball)

@@ -1,4 +1,4 @@
-"""What the simulated camera knows of its own image. For scoring only: nothing that perceives may see it."""
+"""Ground truth of a simulated image, for scoring only: perception must not use it."""
 
 import math
 from collections.abc import Sequence

@@ -16,10 +16,10 @@ from vision_core.types.objects import Team
 DECIDE_EVERY = 8
 """Steps between two decisions of the players and the referee."""
 PAUSE_S = 1.0
-"""A ball in a goal or off the field lies so long before the referee puts it back."""
+"""Time until the referee puts back a ball that is in a goal or off the field."""
 STUCK_S = 2.5
 STUCK_M = 0.05
-"""A ball that has not moved so far for so long is stuck."""
+"""A ball that has moved by less than STUCK_M in STUCK_S is stuck."""
 FIRST_PUSH_M_S = 0.8
 TRIES = 200
 WALK_M_S = 0.5
@@ -39,7 +39,7 @@ class Snapshot:
 
 
 class World:
-    """Moves on steps of its own, whatever durations it is advanced by; a seed plays one match."""
+    """Simulates the match in fixed time steps, whatever durations it is advanced by; equal seeds give equal matches."""
 
     def __init__(self, settings: Settings) -> None:
         field = settings.field
@@ -81,7 +81,7 @@ class World:
             self._steps += count
 
     def snapshot(self) -> Snapshot:
-        """Everything at the present moment: the last step, carried on along its velocities."""
+        """State at the present time: that of the last step, extrapolated by its velocities."""
         rest_s = self._time_s - self._steps * STEP_S
         return Snapshot(
             robots=_carried(self._robots, rest_s),
