@@ -1,8 +1,8 @@
-"""Turn towards the ball and drive, unless something stands in the way: a robot's program on the client module.
+"""A robot's program with the client module: turn towards the ball and drive there, unless something is in the way.
 
     python examples/chase_ball.py [TEAM NUMBER [HOST [PORT [VIEWS]]]]
 
-It prints the wheel commands that it would give. Angles are anticlockwise from the heading, as everywhere.
+It prints what it would tell the wheels. Angles grow anticlockwise from the robot's heading.
 """
 
 import sys
@@ -17,14 +17,14 @@ AHEAD_DEG = 30.0
 
 
 def command(view: View) -> str:
-    """What to do about what is seen."""
+    """What the robot does next."""
     if view.ball.hidden:
         return "turn left, looking for the ball"
     turn_deg = (view.ball.direction_deg + 180) % 360 - 180
-    way = np.abs((view.directions_deg - view.ball.direction_deg + 180.0) % 360.0 - 180.0) < AHEAD_DEG
-    nearest_mm = view.mm[way].min()
+    towards_ball = np.abs((view.directions_deg - view.ball.direction_deg + 180.0) % 360.0 - 180.0) < AHEAD_DEG
+    nearest_mm = view.mm[towards_ball].min()
     if nearest_mm < min(CLEAR_MM, view.ball_mm):
-        return f"something {nearest_mm - BODY_MM:.0f} mm before us: drive around it"
+        return f"something {nearest_mm - BODY_MM:.0f} mm ahead: drive around it"
     return f"turn {turn_deg:+d} deg, drive {view.ball_mm - BODY_MM:.0f} mm"
 
 

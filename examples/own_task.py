@@ -1,4 +1,4 @@
-"""A task of your own: how far the ball is from the nearest robot, five times a second, as a record of the database.
+"""A task of your own: the distance from the ball to the nearest robot, as a record, five times a second.
 
 In a venue file:
 

@@ -12,7 +12,7 @@ team, number, host, port, views = [*sys.argv[1:], *["blue", "3", "127.0.0.1", "6
 robot = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 robot.settimeout(1)
 errors_to_wait_for = ("(error not_ready", "(error rate_limited")  # the server still prepares, or is busy
-answer, silences = "", 0
+answer, reported, silences = "", "", 0
 while not answer.startswith("(init"):
     try:
         robot.sendto(f"(init {team} {number})".encode(), (host, int(port)))
@@ -28,7 +28,9 @@ while not answer.startswith("(init"):
     if answer.startswith("(see"):
         break  # the answer was lost, but the session is open
     if answer.startswith(errors_to_wait_for):
-        print(f"{answer}: asking again in a second", file=sys.stderr)
+        if answer != reported:
+            print(f"{answer}: asking again every second", file=sys.stderr)
+        reported = answer
         time.sleep(1)
     elif answer.startswith("(error"):
         sys.exit(answer)

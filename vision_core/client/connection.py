@@ -265,9 +265,8 @@ class Connection:
                 self._time_us, self._arrived_at = message.time_us, Instant(self._heard_at - age_ns)
             case InitReply():
                 self.mode = message.mode
-                self._time_us = (
-                    -1
-                )  # it may be another server, whose Time began anew, and whose field has another mirror
+                # the server may have been restarted: its Time begins anew, and its field may have another mirror
+                self._time_us = -1
                 self._mirror = self._given_mirror
                 self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
             case MirrorReply():
