@@ -1,14 +1,14 @@
-"""Region growing against the segmentation of the whole picture, on the same rendered frames.
+"""Region growing from the last position against segmentation of the whole picture, on the same rendered frames.
 
-Eleven trackers of their own follow the ball and the ten center dots, as the CAMBADA robots followed their objects. The
-twin segments the whole picture once, by the reference segmentation, and takes for each object the valid blob that is
-nearest to where its tracker predicted it. *Same* means: the same region to the pixel, or that both say it is not there.
-In 20 of 100 frames the ball is covered with carpet, so that it must be searched everywhere, in vain: things of its
-color and size that lie beside the field are no ball, since no carpet surrounds them (the twin looks at points of a
-circle for that).
+Eleven trackers follow the ball and ten center dots by region growing, as the CAMBADA robots followed their objects. The
+baseline segments the whole picture once (reference segmentation) and takes for each object the valid blob that is
+nearest to the position predicted by its tracker. In 20 of 100 frames the ball is covered with carpet: it must then be
+searched in the whole picture and not be found. Objects of its color and size beside the field are not valid, since no
+carpet surrounds them; the baseline checks that on a circle around the blob.
 
-Times are execution times of the thread, so that others who use the processor do not count. The histogram is that of the
-paper's figure 3: how long the ball's tracker takes per frame. It goes to ``bench/out/growing.png`` as well.
+Agreement: how often both find the same region to the pixel, or both find none; the goal is 99 %. Times [us]: execution
+time of the thread, which other processes do not affect; a ratio below 1 means that region growing is faster. The
+histogram of the ball's tracker is that of the CAMBADA paper's figure 3; it goes to ``bench/out/growing.png`` as well.
 """
 
 import argparse
@@ -46,36 +46,37 @@ from vision_core.types.tables import Table
 FRAMES = {"640x480": 600, "1280x1024": 200}
 HISTOGRAM = "640x480"
 COVERED = range(60, 80)
-"""Of every hundred frames, those without a ball."""
+"""Of every hundred frames, those in which the ball is covered."""
 BALL, SEED = "ball", "ball by a seed color"
 DOT_RADIUS_M = 0.025
 SEED_TOLERANCES = (70.0, 35.0)
 """Of luma and chroma [grey levels]."""
 CARPET_TOLERANCES = (60.0, 20.0)
 MIN_AROUND = 0.3
-"""Share of carpet round a ball; robots and lines may take the rest."""
+"""Least share of carpet around a ball; robots and lines may cover the rest."""
 RING_RADII, RING_POINTS = 1.8, 24
-SAME_GOAL = 0.99
+"""Radius of the circle around a blob, in radii of the blob, and the points on it."""
+MIN_AGREEMENT = 0.99
 SEED_PX = 1.0
-"""A seed's region may differ from the class's by its edge."""
+"""A seed's region may differ from the class's at its edge: largest distance of their centroids [px]."""
 BINS = 20
 
-Place = tuple[float, float, float] | None
-"""Area and centroid of what was found."""
+Region = tuple[float, float, float] | None
+"""Area [px] and centroid [px] of a region; None: not found."""
 
 
 @dataclass
 class Measured:
-    """What was counted and timed at one size."""
+    """Counts and times at one size of the picture."""
 
     frames: int = 0
     same: dict[str, int] = field(default_factory=dict)
     seen: dict[str, int] = field(default_factory=dict)
-    own: int = 0
-    """Center dots that are the robot's own at the end."""
+    on_own_robot: int = 0
+    """Trackers of center dots that are still on their robot at the end."""
     dots: int = 0
     growing_us: list[float] = field(default_factory=list)
-    """All eleven."""
+    """All eleven trackers together."""
     ball_us: list[float] = field(default_factory=list)
     covered: list[bool] = field(default_factory=list)
     seed_us: list[float] = field(default_factory=list)
@@ -83,7 +84,7 @@ class Measured:
 
 
 def run(out: Path = OUT) -> list[Row]:
-    """Compare at every size; the ball's histogram at one is drawn into a folder."""
+    """Compare at every size. out: folder of the ball's histogram at one size."""
     rows: list[Row] = []
     for size, frames in FRAMES.items():
         measured = measure(settings_of(size, {}), frames)
@@ -96,9 +97,9 @@ def run(out: Path = OUT) -> list[Row]:
 
 
 def measure(settings: Settings, frames: int) -> Measured:
-    """Follow everything through a number of frames, both ways."""
+    """Find all objects in a number of frames, by region growing and by segmentation."""
     table = keep_classes(compile_color_table(settings.colors), {"blue", "yellow", settings.ball.color})
-    segmenter = ReferenceSegmenter(settings.camera.width_px, settings.camera.height_px, settings.blobs)
+    segmenter = ReferenceSegmenter(*CameraSetup.from_settings(settings).size_px, settings.blobs)
     trackers: dict[str, GrowingTracker] = {}
     measured = Measured()
     for pixels, at, truth, covered in _frames(settings, frames):
@@ -108,23 +109,23 @@ def measure(settings: Settings, frames: int) -> Measured:
             for tracker in trackers.values():
                 tracker.follow(pixels, Instant(at - 1))
             segmenter.segment(pixels, table)
-        places = {name: tracker.predict(at) for name, tracker in trackers.items()}
+        predictions = {name: tracker.predict(at) for name, tracker in trackers.items()}
         found, spent = _grow(trackers, pixels, at, measured.frames)
         start = time.thread_time_ns()
         count, _ = segmenter.segment(pixels, table)
         measured.table_us.append((time.thread_time_ns() - start) / 1e3)
-        _count(measured, _twins(settings, table, pixels, carpet, segmenter.blobs[:count], places), found)
+        _count(measured, _nearest_blobs(settings, table, pixels, carpet, segmenter.blobs[:count], predictions), found)
         measured.frames += 1
         measured.covered.append(covered)
         measured.ball_us.append(spent[BALL])
         measured.seed_us.append(spent[SEED])
         measured.growing_us.append(sum(us for name, us in spent.items() if name != SEED))
-    _count_own(measured, settings, truth, trackers)
+    _count_on_own_robot(measured, settings, truth, trackers)
     return measured
 
 
 def _frames(settings: Settings, frames: int) -> Iterator[tuple[Bytes, Instant, Truth, bool]]:
-    """Rendered frames with their truth; now and then the ball is covered with the carpet beside it."""
+    """Rendered frames with their truth; in some the ball is covered with the carpet beside it."""
     source = open_source(settings, CameraSetup.from_settings(settings), MonotonicClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
     camera = CameraSetup.from_settings(settings).model
@@ -147,7 +148,7 @@ def _cover(pixels: Bytes, x: int, y: int, reach: int) -> None:
 
 
 def _carpet(settings: Settings, pixels: Bytes) -> Table:
-    """The color of the field, from a grid of its points, as what surrounds a ball."""
+    """The carpet's color, from a grid of points on the field."""
     steps = np.linspace(-0.45, 0.45, 20)
     points = np.stack(np.meshgrid(steps * settings.field.length_m, steps * settings.field.width_m), axis=-1)
     x, y = CameraSetup.from_settings(settings).model.pixel_from_field(points.reshape(-1, 2)).round().astype(int).T
@@ -156,8 +157,8 @@ def _carpet(settings: Settings, pixels: Bytes) -> Table:
 
 
 def _trackers(settings: Settings, table: ColorTable, truth: Truth, carpet: Table) -> dict[str, GrowingTracker]:
-    """One for the ball by its class, one by a seed color, and one for each robot's center dot, from where it is."""
-    size = settings.camera.width_px, settings.camera.height_px
+    """A tracker for the ball by its class, one by a seed color, and one for each center dot, from its true place."""
+    size = CameraSetup.from_settings(settings).size_px
     number = table.index(settings.ball.color)
     ball = replace(_limits(settings, BALL), around=carpet, min_around=MIN_AROUND)
     blue, green, red = table.mean_bgr[number].tolist()
@@ -177,7 +178,7 @@ def _trackers(settings: Settings, table: ColorTable, truth: Truth, carpet: Table
 
 
 def _limits(settings: Settings, name: str) -> GrowingLimits:
-    """Area limits of an object, as the camera sees it at the field's center."""
+    """Area limits of an object at the field's center."""
     is_ball = name in (BALL, SEED)
     radius, height = (settings.ball.radius_m,) * 2 if is_ball else (DOT_RADIUS_M, settings.robots.height_m)
     scale = CameraSetup.from_settings(settings).model.pixels_per_square_metre(np.zeros((1, 2)), height)[0]
@@ -186,16 +187,16 @@ def _limits(settings: Settings, name: str) -> GrowingLimits:
 
 
 def _dots_px(settings: Settings, truth: Truth) -> Floats:
-    """Where the robots' center dots are, shape (n, 2)."""
+    """True places of the robots' center dots, shape (n, 2) [px]."""
     places = np.array([(robot.x_m, robot.y_m) for robot in truth.robots])
     return CameraSetup.from_settings(settings).model.pixel_from_field(places, settings.robots.height_m)
 
 
 def _grow(
     trackers: dict[str, GrowingTracker], pixels: Bytes, at: Instant, frame: int
-) -> tuple[dict[str, Place], dict[str, float]]:
-    """What each tracker found, and how long it took [us]; each frame another begins, with cold memory."""
-    found: dict[str, Place] = {}
+) -> tuple[dict[str, Region], dict[str, float]]:
+    """The region that each tracker found, and how long that took [us]. They take turns in being first."""
+    found: dict[str, Region] = {}
     spent = {}
     turn = frame % len(trackers)
     for name, tracker in [*trackers.items()][turn:] + [*trackers.items()][:turn]:
@@ -206,17 +207,17 @@ def _grow(
     return found, spent
 
 
-def _twins(
+def _nearest_blobs(
     settings: Settings,
     table: ColorTable,
     pixels: Bytes,
     carpet: Table,
     blobs: Table,
-    places: dict[str, tuple[float, float]],
-) -> dict[str, Place]:
-    """For each object the valid blob that is nearest to where it was predicted."""
-    twins: dict[str, Place] = {}
-    for name, place in places.items():
+    predictions: dict[str, tuple[float, float]],
+) -> dict[str, Region]:
+    """For each object the valid blob that is nearest to its predicted position."""
+    segmented: dict[str, Region] = {}
+    for name, place in predictions.items():
         is_ball, limits = name in (BALL, SEED), _limits(settings, name)
         color = settings.ball.color if is_ball else name.split()[0]
         valid = np.flatnonzero(
@@ -226,14 +227,14 @@ def _twins(
         )
         if is_ball:
             valid = valid[[_carpet_share(pixels, carpet, blobs[blob]) >= MIN_AROUND for blob in valid.tolist()]]
-        far = np.hypot(blobs["x_px"][valid] - place[0], blobs["y_px"][valid] - place[1])
-        best = valid[far.argmin()] if len(valid) else None
-        twins[name] = None if best is None else blobs[["area_px", "x_px", "y_px"]][best].item()
-    return twins
+        distances = np.hypot(blobs["x_px"][valid] - place[0], blobs["y_px"][valid] - place[1])
+        best = valid[distances.argmin()] if len(valid) else None
+        segmented[name] = None if best is None else blobs[["area_px", "x_px", "y_px"]][best].item()
+    return segmented
 
 
 def _carpet_share(pixels: Bytes, carpet: Table, blob: Table) -> float:
-    """Share of points on a circle round a blob that show carpet."""
+    """Share of the points on a circle around a blob that show carpet, 0..1."""
     radius = RING_RADII * math.sqrt(blob["area_px"] / math.pi)
     turn = np.arange(RING_POINTS) * (math.tau / RING_POINTS)
     ring = (blob["x_px"], blob["y_px"]) + radius * np.column_stack([np.cos(turn), np.sin(turn)])
@@ -244,27 +245,29 @@ def _carpet_share(pixels: Bytes, carpet: Table, blob: Table) -> float:
     return float((near & (abs(luma - carpet["luma"]) <= carpet["luma_tolerance"])).mean())
 
 
-def _count(measured: Measured, twins: dict[str, Place], found: dict[str, Place]) -> None:
+def _count(measured: Measured, segmented: dict[str, Region], found: dict[str, Region]) -> None:
     for name, grown in found.items():
         kind = name if name in (BALL, SEED) else "center dots"
-        same = _alike(grown, twins[name], by_pixel=name != SEED)
+        same = _agree(grown, segmented[name], by_pixel=name != SEED)
         measured.same[kind] = measured.same.get(kind, 0) + same
         measured.seen[kind] = measured.seen.get(kind, 0) + 1
 
 
-def _alike(one: Place, other: Place, *, by_pixel: bool) -> bool:
+def _agree(one: Region, other: Region, *, by_pixel: bool) -> bool:
     if one is None or other is None:
         return one is other
     return np.allclose(one, other) if by_pixel else math.dist(one[1:], other[1:]) < SEED_PX
 
 
-def _count_own(measured: Measured, settings: Settings, truth: Truth, trackers: dict[str, GrowingTracker]) -> None:
+def _count_on_own_robot(
+    measured: Measured, settings: Settings, truth: Truth, trackers: dict[str, GrowingTracker]
+) -> None:
     for robot, place in zip(truth.robots, _dots_px(settings, truth), strict=True):
         tracker = trackers[f"{robot.team} {robot.id}"]
         scale = CameraSetup.from_settings(settings).model.pixels_per_metre(
             (robot.x_m, robot.y_m), settings.robots.height_m
         )
-        measured.own += math.dist(tracker.last_px, place) < DOT_RADIUS_M * scale
+        measured.on_own_robot += math.dist(tracker.last_px, place) < DOT_RADIUS_M * scale
         measured.dots += 1
 
 
@@ -272,23 +275,23 @@ def _summary(measured: Measured) -> Iterator[Row]:
     for kind, same in measured.same.items():
         share = same / measured.seen[kind]
         yield {
-            "name": f"{kind}: same as by segmentation, of {measured.seen[kind]}", "value": same, "unit": "",
-            "ratio": share, "goal": f">= {SAME_GOAL:g}", "met": share >= SAME_GOAL,
+            "name": f"{kind}: same region as by segmentation, of {measured.seen[kind]}", "value": same, "unit": "",
+            "ratio": share, "goal": f">= {MIN_AGREEMENT:g}", "met": share >= MIN_AGREEMENT,
         }  # fmt: skip
-    yield {"name": f"center dots that are their robot's own at the end, of {measured.dots}", "value": measured.own}
-    whole = float(np.median(measured.table_us))
+    yield {"name": f"center dots still on their robot at the end, of {measured.dots}", "value": measured.on_own_robot}
+    whole_us = float(np.median(measured.table_us))
     covered = np.array(measured.covered)
     ball, seed = np.array(measured.ball_us), np.array(measured.seed_us)
     for name, times in (
         ("ball and ten dots", np.array(measured.growing_us)),
         ("ball, not covered", ball[~covered]),
-        ("ball, covered: the whole picture in vain", ball[covered]),
+        ("ball, covered: the whole picture is searched", ball[covered]),
         ("ball by a seed color, not covered", seed[~covered]),
         ("ball by a seed color, covered", seed[covered]),
     ):
         if len(times):
             median = float(np.median(times))
-            yield {"name": name, "value": median, "unit": "us", "baseline": whole, "ratio": median / whole}
+            yield {"name": name, "value": median, "unit": "us", "baseline": whole_us, "ratio": median / whole_us}
 
 
 def _bins(measured: Measured) -> Iterator[Row]:
@@ -307,7 +310,7 @@ def histogram(measured: Measured) -> tuple[list[float], list[int]]:
 
 
 def draw_histogram(path: Path, measured: Measured, size: str) -> None:
-    """A picture as the paper's figure 3."""
+    """Draw the histogram as in the CAMBADA paper's figure 3."""
     edges, counts = histogram(measured)
     panel = Panel(
         title=f"{measured.frames} frames, the ball covered in {sum(measured.covered)}",

@@ -18,7 +18,7 @@ import numpy as np
 from bench.accuracy import TEAMS, settings_of
 from bench.runner import Row
 from bench.segmentation import Scene as SegmentScene
-from bench.segmentation import twin_of
+from bench.segmentation import c_reference_of
 from bench.segmenters import ReferenceSegmenter
 from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
@@ -140,7 +140,7 @@ def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     camera, table = loop.settings.camera, loop.perception.table
     reference = ReferenceSegmenter(camera.width_px, camera.height_px, loop.settings.blobs)
     prefilter = loop.perception.eyes.prefilter
-    twin, _ = twin_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
+    twin, _ = c_reference_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
     ways: dict[str, Callable[[int], object]] = {"reference": lambda frame: reference.segment(loop.frames[frame], table)}
     if twin is not None:
         ways["C"] = twin[0]

@@ -1,9 +1,13 @@
-"""Pixels to blobs: the row scan against the reference segmentation, the reference in C, and a memcpy of the frame.
+"""Duration of segmenting one picture into blobs, at three sizes.
 
-Distinct frames of the synthetic camera, ten robots, the default look. The methods take turns, frame by frame, in one
-process; in each turn every method has another frame, which the others have not touched for a while, so that all of them
-find it equally far away in memory. Medians. Recall: of the reference's blobs in the windows round robots and ball that
-are as high as the smallest dot asks for, those found equal in class, area, center and box.
+Distinct frames of the simulated camera with ten robots. Measured [us]: median duration of the service's row scan, over
+the whole picture and over windows around the objects with the scan band. Baselines in the same process: the reference
+segmentation, which reads every pixel; the same in C (``baselines/segmentation.c``); and a memcpy of the picture, which
+is the least that reading it costs. The methods take turns, frame by frame, each on a frame that no other has touched
+for a while, so that the caches favor none.
+
+Recall: of the reference's blobs in the windows around robots and ball that are at least as high as the smallest dot of
+a marker, the share that is found with equal class, area, center and box. 1.0 is the goal.
 """
 
 import ctypes
@@ -38,9 +42,9 @@ FRAMES = 24
 ROUNDS = 8
 WARM_ROUNDS = 2
 DOT_M = 0.04
-"""The smallest patch of the pattern, across."""
+"""Diameter of the smallest patch of the pattern."""
 WINDOW_M = 0.2
-"""Half a window round a predicted robot; a ball's is as large."""
+"""Half the side of a window around a predicted robot or ball."""
 SIZES: dict[str, dict[str, Any]] = {
     f"{width}x{height}": {
         "camera.width_px": width,
@@ -55,13 +59,13 @@ SIZES: dict[str, dict[str, Any]] = {
     )
 }
 GOALS = {"640x480": 0.35, "1280x1024": 0.20, "2048x1536": 0.12}
-REFERENCE, TWIN, MEMCPY = "reference", "reference in C", "memcpy"
-WHOLE, WINDOWS = "row scan, whole frame", "row scan, windows + scan band"
+REFERENCE, IN_C, MEMCPY = "reference", "reference in C", "memcpy"
+WHOLE, WINDOWS = "row scan, whole picture", "row scan, windows and scan band"
 US_PER_S = 1e6
 
 Boxes = NDArray[np.int32]
 Method = Callable[[int], int]
-"""Segments a frame by its number; how many blobs there are, in ``Methods.blobs``."""
+"""Segments the frame with a number into ``Methods.blobs`` and returns how many blobs there are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +81,7 @@ class Scene:
 
 
 def run() -> list[Row]:
-    """Rows for every size."""
+    """Measure every size."""
     rows: list[Row] = []
     for size, options in SIZES.items():
         rows += _measure(size, _scene(load_settings(options=options)))
@@ -85,25 +89,25 @@ def run() -> list[Row]:
 
 
 def _scene(settings: Settings) -> Scene:
-    camera = CameraSetup.from_settings(settings).model
-    source = open_source(settings, CameraSetup.from_settings(settings), MonotonicClock(), paced=False)
+    camera = CameraSetup.from_settings(settings)
+    source = open_source(settings, camera, MonotonicClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
     frames, windows = [], []
     for _ in range(FRAMES):
-        pixels = CameraSetup.from_settings(settings).black_image()
+        pixels = camera.black_image()
         source.grab(pixels)
         frames.append(pixels)
-        windows.append(_windows(source.truth, camera, settings))
+        windows.append(_windows(source.truth, camera.model, settings))
     source.close()
     corner = np.array([settings.field.length_m, settings.field.width_m]) / 2
-    dot_px = DOT_M * camera.pixels_per_metre(corner.tolist(), settings.robots.height_m)
+    dot_px = DOT_M * camera.model.pixels_per_metre(corner.tolist(), settings.robots.height_m)
     table = compile_color_table(settings.colors)
     min_px = min_height_px(dot_px, settings.blobs.row_step)
     return Scene(settings, table, prefilter_from(table), frames, windows, min_px)
 
 
 def _windows(truth: Truth, camera: CameraModel, settings: Settings) -> Boxes:
-    """Boxes round the robots and the ball, as a tracker would predict them."""
+    """Boxes around the robots and the ball, as a tracker would predict them."""
     robots = camera.pixel_from_field(np.array([(r.x_m, r.y_m) for r in truth.robots]), settings.robots.height_m)
     ball = camera.pixel_from_field(np.array([(truth.ball.x_m, truth.ball.y_m)]))
     centers = np.vstack([robots, ball])
@@ -112,11 +116,11 @@ def _windows(truth: Truth, camera: CameraModel, settings: Settings) -> Boxes:
 
 
 class Methods:
-    """Every method to segment a scene, each with memory of its own."""
+    """All methods of segmenting a scene, each with memory of its own."""
 
     def __init__(self, scene: Scene) -> None:
         settings, frames = scene.settings, scene.frames
-        size = settings.camera.width_px, settings.camera.height_px
+        size = CameraSetup.from_settings(settings).size_px
         reference = ReferenceSegmenter(*size, settings.blobs)
         whole, windows = (RowScanSegmenter(*size, settings.blobs, scene.min_px) for _ in range(2))
         copy = np.empty_like(frames[0])
@@ -127,9 +131,9 @@ class Methods:
             WHOLE: lambda number: whole.segment(frames[number], table, prefilter)[0],
             WINDOWS: lambda number: windows.segment(frames[number], table, prefilter, scene.windows[number])[0],
         }
-        twin, self.word = twin_of(scene)
-        if twin is not None:
-            self.calls[TWIN], self.blobs[TWIN] = twin
+        c_reference, self.message = c_reference_of(scene)
+        if c_reference is not None:
+            self.calls[IN_C], self.blobs[IN_C] = c_reference
         self.calls[MEMCPY] = lambda number: _copy(copy, frames[number])
 
 
@@ -138,12 +142,12 @@ def _copy(copy: Bytes, pixels: Bytes) -> int:
     return 0
 
 
-def twin_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
-    """The reference in C and the table that it fills, or None and why there is none."""
-    library, word = load_library("segmentation")
+def c_reference_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
+    """The reference in C and the table that it fills, and the compiler's command; or None and the reason."""
+    library, message = load_library("segmentation")
     if library is None:
-        return None, word
-    camera, chosen = scene.settings.camera, scene.settings.blobs
+        return None, message
+    (width, height), chosen = CameraSetup.from_settings(scene.settings).size_px, scene.settings.blobs
     runs = np.zeros(chosen.max_runs * 24, dtype=np.uint8)
     regions = np.zeros(chosen.max_runs * 48, dtype=np.uint8)
     blobs = np.zeros(chosen.max_blobs, dtype=BLOB)
@@ -153,13 +157,13 @@ def twin_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
 
     def segment(number: int) -> int:
         found = library.segment(
-            images[number], camera.width_px, camera.height_px, pointers[0], chosen.min_area_px,
+            images[number], width, height, pointers[0], chosen.min_area_px,
             pointers[1], pointers[2], chosen.max_runs, pointers[3], chosen.max_blobs,
         )  # fmt: skip
-        assert found >= 0, f"no room in {len(runs)} and {len(regions)} bytes"
+        assert found >= 0, f"the C reference: {chosen.max_runs} runs and {chosen.max_blobs} blobs were not enough"
         return int(found)
 
-    return (segment, blobs), word
+    return (segment, blobs), message
 
 
 def _measure(size: str, scene: Scene) -> list[Row]:
@@ -175,14 +179,14 @@ def _measure(size: str, scene: Scene) -> list[Row]:
             times[name].append(time.perf_counter() - began)
     took = {name: float(np.median(seconds[WARM_ROUNDS * FRAMES :])) for name, seconds in times.items()}
     rows = [_row(f"{size}: {name}", took[name] * US_PER_S, "us") for name in took]
-    if TWIN not in took:
-        rows.append(_row(f"{size}: {TWIN}: {methods.word}", None, ""))
+    if IN_C not in took:
+        rows.append(_row(f"{size}: {IN_C}: {methods.message}", None, ""))
     for name, goal in ((WHOLE, GOALS[size]), (WINDOWS, None)):
         rows.append(_ratio(f"{size}: {name}, of the reference", took[name], took[REFERENCE], goal))
-    rows.append(_ratio(f"{size}: {WHOLE}, of a memcpy (moonshot)", took[WHOLE], took[MEMCPY], 1.0))
-    if TWIN in took:
-        rows.append(_ratio(f"{size}: {WHOLE}, of the reference in C", took[WHOLE], took[TWIN], None))
-        rows.append(_ratio(f"{size}: reference, of the reference in C", took[REFERENCE], took[TWIN], None))
+    rows.append(_ratio(f"{size}: {WHOLE}, of a memcpy", took[WHOLE], took[MEMCPY], 1.0))
+    if IN_C in took:
+        rows.append(_ratio(f"{size}: {WHOLE}, of the reference in C", took[WHOLE], took[IN_C], None))
+        rows.append(_ratio(f"{size}: reference, of the reference in C", took[REFERENCE], took[IN_C], None))
     for name, share in recall.items():
         if name != REFERENCE:
             rows.append({**_row(f"{size}: recall, {name}", share, ""), "goal": "1.0", "met": share == 1.0})
@@ -190,18 +194,18 @@ def _measure(size: str, scene: Scene) -> list[Row]:
 
 
 def _recall(scene: Scene, methods: Methods, name: str) -> float:
-    """Share of the reference's marker blobs that a method finds, to the bit."""
-    asked = found = 0
+    """Share of the reference's marker blobs that a method finds, equal in every field."""
+    expected = found = 0
     for number, windows in enumerate(scene.windows):
-        expected = methods.blobs[REFERENCE][: methods.calls[REFERENCE](number)].copy()
-        have = set(methods.blobs[name][: methods.calls[name](number)].tolist())
-        tall = expected[expected["bottom"] - expected["top"] + 1 >= scene.min_px]
+        of_reference = methods.blobs[REFERENCE][: methods.calls[REFERENCE](number)].copy()
+        blobs = set(methods.blobs[name][: methods.calls[name](number)].tolist())
+        tall = of_reference[of_reference["bottom"] - of_reference["top"] + 1 >= scene.min_px]
         for blob in tall:
             x, y = blob["x_px"], blob["y_px"]
             inside = (windows[:, 0] <= x) & (x <= windows[:, 2]) & (windows[:, 1] <= y) & (y <= windows[:, 3])
-            asked += bool(inside.any())
-            found += bool(inside.any()) and blob.item() in have
-    return found / asked
+            expected += bool(inside.any())
+            found += bool(inside.any()) and blob.item() in blobs
+    return found / expected
 
 
 def _row(name: str, value: float | None, unit: str) -> Row:

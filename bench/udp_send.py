@@ -1,7 +1,9 @@
-"""A frame's datagrams to 22 and to 200 clients on loopback: the compiled loop, a loop in C, and one in Python.
+"""Duration of sending one frame's datagrams to 22 and to 200 clients on loopback.
 
-Every client has a socket of its own, connected on our side, as sessions have. The clients' sockets are emptied between
-two measurements, not during one.
+Every client has a socket of its own; the sender has one connected socket for each, as the service has for each session.
+Measured [us]: median time of the service's compiled loop over all clients. Baselines in the same process, by turns: the
+same loop in C (``baselines/udp_send.c``), goal at most 1.05 of its time, and a loop in Python. The clients' sockets are
+emptied between two measurements.
 """
 
 import contextlib
@@ -26,7 +28,7 @@ US_PER_S = 1e6
 
 
 def run() -> list[Row]:
-    """Rows for every number of clients."""
+    """Measure every number of clients."""
     rows: list[Row] = []
     for count in CLIENTS:
         with contextlib.ExitStack() as stack:
@@ -51,18 +53,18 @@ def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
     table = DeliveryTable(Instant(0), seed=1)
     table.replace(new_rows(count))
     table.rows["descriptor"] = [session.fileno() for session in sessions]
-    ways: dict[str, Callable[[], object]] = {"compiled": lambda: table.send(Instant(1), batch)}
-    twin, word = _twin(table, batch)
-    if twin is not None:
-        ways["C"] = twin
-    ways["Python"] = lambda: [session.send(DATAGRAM) for session in sessions]
-    times = _in_turns(list(ways.values()), clients)
-    took = dict(zip(ways, times, strict=True))
+    methods: dict[str, Callable[[], object]] = {"compiled": lambda: table.send(Instant(1), batch)}
+    c_loop, message = _c_loop(table, batch)
+    if c_loop is not None:
+        methods["C"] = c_loop
+    methods["Python"] = lambda: [session.send(DATAGRAM) for session in sessions]
+    times = _medians_us(list(methods.values()), clients)
+    took = dict(zip(methods, times, strict=True))
     ratio = took["compiled"] / took["C"] if "C" in took else None
     name = f"send to {count} clients"
     return [
         {
-            "name": f"{name}, twin in C" if ratio is not None else f"{name} ({word})",
+            "name": f"{name}, baseline in C" if ratio is not None else f"{name} ({message})",
             "value": took["compiled"],
             "unit": "us",
             "baseline": took.get("C"),
@@ -70,34 +72,35 @@ def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
             "goal": f"<= {GOAL_RATIO}x",
             "met": None if ratio is None else ratio <= GOAL_RATIO,
         },
-        {"name": f"{name}, against a loop in Python", "value": took["compiled"], "unit": "us",
+        {"name": f"{name}, baseline a loop in Python", "value": took["compiled"], "unit": "us",
          "baseline": took["Python"], "ratio": took["compiled"] / took["Python"]},
     ]  # fmt: skip
 
 
-def _twin(table: DeliveryTable, batch: Batch) -> tuple[Callable[[], object] | None, str]:
-    library, word = load_library("udp_send")
+def _c_loop(table: DeliveryTable, batch: Batch) -> tuple[Callable[[], object] | None, str]:
+    """The loop in C over the same sockets, and the compiler's command; or None and the reason."""
+    library, message = load_library("udp_send")
     if library is None:
-        return None, word
+        return None, message
     count = len(table.rows)
     descriptors = np.ascontiguousarray(table.rows["descriptor"])
     order = np.random.default_rng(1).permutation(count).astype(np.int64)
     results = np.zeros(count, dtype=np.int64)
     arrays = (descriptors, order, batch.text, batch.starts, batch.lengths, results)
-    places = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-    call = (*places[:2], ctypes.c_int64(count), *places[2:])
+    addresses = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+    call = (*addresses[:2], ctypes.c_int64(count), *addresses[2:])
     library.send_in_order.restype = ctypes.c_int64
-    return lambda: (library.send_in_order(*call), arrays)[0], word
+    return lambda: (library.send_in_order(*call), arrays)[0], message
 
 
-def _in_turns(ways: list[Callable[[], object]], clients: list[socket.socket]) -> list[float]:
-    """Median duration of each way [us]; they take turns to be first."""
-    seconds: list[list[float]] = [[] for _ in ways]
+def _medians_us(methods: list[Callable[[], object]], clients: list[socket.socket]) -> list[float]:
+    """Median duration of each method [us]. They take turns in being first."""
+    seconds: list[list[float]] = [[] for _ in methods]
     for number in range(ROUNDS):
-        for turn in range(len(ways)):
-            index = (number + turn) % len(ways)
+        for turn in range(len(methods)):
+            index = (number + turn) % len(methods)
             began = time.perf_counter()
-            ways[index]()
+            methods[index]()
             seconds[index].append(time.perf_counter() - began)
             for client in clients:
                 assert client.recv(2048) == DATAGRAM

@@ -1,7 +1,7 @@
-/* The reference segmentation in C, the twin of vision_core/blobs/run_lengths.py: color table, run lengths, union-find, sums.
+/* Baseline of vision_core/blobs/run_lengths.py, the reference segmentation: color table, run lengths, union-find, sums.
 
    After Bruce, Balch and Veloso, "Fast and inexpensive color image segmentation for interactive robots", IROS 2000.
-   Memory is the caller's. Returns the number of blobs, or -1 when runs or blobs have no room. */
+   The caller provides all memory. Returns the number of blobs, or -1 when there is not enough for runs or blobs. */
 
 #include <stdint.h>
 
@@ -27,7 +27,7 @@ static inline int32_t append(Run *runs, int32_t number, int32_t y, int32_t start
 }
 
 static int32_t collect_runs(const uint8_t *restrict pixels, int32_t width, int32_t height,
-                            const uint8_t *restrict classes, Run *restrict runs, int32_t most) {
+                            const uint8_t *restrict classes, Run *restrict runs, int32_t max_runs) {
     int32_t count = 0, above = 0, above_end = 0;
     for (int32_t y = 0; y < height; y++) {
         int32_t first = count, start = 0, color = 0;
@@ -35,7 +35,7 @@ static int32_t collect_runs(const uint8_t *restrict pixels, int32_t width, int32
             int32_t here = x < width ? classes[(pixels[0] >> 3) << 11 | (pixels[1] >> 2) << 5 | pixels[2] >> 3] : 0;
             if (here == color) continue;
             if (color) {
-                if (count == most) return -1;
+                if (count == max_runs) return -1;
                 above = append(runs, count++, y, start, x, color, above, above_end);
             }
             color = here;
@@ -49,8 +49,8 @@ static int32_t collect_runs(const uint8_t *restrict pixels, int32_t width, int32
 }
 
 int32_t segment(const uint8_t *pixels, int32_t width, int32_t height, const uint8_t *classes, int32_t min_area,
-                Run *runs, Region *regions, int32_t most_runs, Blob *blobs, int32_t most_blobs) {
-    int32_t found = 0, kept = 0, count = collect_runs(pixels, width, height, classes, runs, most_runs);
+                Run *runs, Region *regions, int32_t max_runs, Blob *blobs, int32_t max_blobs) {
+    int32_t found = 0, kept = 0, count = collect_runs(pixels, width, height, classes, runs, max_runs);
     for (int32_t i = 0; i < count; i++) {
         Run *run = runs + i;
         int32_t top = root(runs, i);
@@ -71,7 +71,7 @@ int32_t segment(const uint8_t *pixels, int32_t width, int32_t height, const uint
     for (int32_t i = 0; i < found; i++) {
         const Region *region = regions + i;
         if (region->area < min_area) continue;
-        if (kept == most_blobs) return -1;
+        if (kept == max_blobs) return -1;
         blobs[kept++] = (Blob){region->color, (int32_t)region->area, (double)region->sum_x / region->area,
                                (double)region->sum_y / region->area, region->left, region->top, region->right,
                                region->bottom};

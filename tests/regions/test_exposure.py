@@ -39,7 +39,7 @@ def test_bad_light_is_named(pixels: np.ndarray, said: str) -> None:
 
 def test_a_camera_that_looks_elsewhere_is_named() -> None:
     (reason,) = exposure_reasons(picture(80.0, 200.0), np.empty((0, 2)))
-    assert "nothing of the field" in reason
+    assert "no part of the field" in reason
 
 
 def test_numbers_follow_the_light() -> None:

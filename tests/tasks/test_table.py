@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from vision_core.errors import SettingsError
 from vision_core.scheduling.checks import problems, warnings
+from vision_core.settings.schema import TaskTimes
 from vision_core.tasks.table import GIVEN, check_table, record_specs, task_table
 from vision_core.venues.loader import layers_of, load_settings, place_of, settings_from_layers
 
@@ -79,3 +81,11 @@ def test_a_task_of_ones_own_stands_in_the_table_and_has_a_record(tmp_path: Path)
     mine = next(task for task in task_table(settings) if task.name == "mine")
     assert (mine.trigger, mine.process, mine.times.priority, mine.times.period_s) == ("period", "mine", 1, 0.1)
     assert "lab/mine" in {spec.name for spec in record_specs(settings, task_table(settings), [])}
+
+
+def test_a_watcher_without_a_line_in_the_settings_runs_once_a_second_as_an_ordinary_task() -> None:
+    settings = load_settings()
+    others = {name: line for name, line in settings.tasks.items() if name != "lines"}
+    table = {task.name: task for task in task_table(msgspec.structs.replace(settings, tasks=others))}
+    assert table["lines"].times == TaskTimes(priority=0, period_ms=1000.0, budget_ms=0.0)
+    assert table["lines"].process == "lines"

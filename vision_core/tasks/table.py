@@ -37,6 +37,8 @@ MAX_OWN = 65536
 VALID_PERIODS = 3.0
 MAX_VALID_HZ = 12.0
 """A record of a user's own is valid for VALID_PERIODS of its task, at this rate at most: a quarter of a second."""
+ONCE_A_SECOND = TaskSettings(priority=0, period_ms=1000.0, budget_ms=0.0)
+"""Times of a watcher that ``[tasks]`` does not have: it needs no real time."""
 ALWAYS_READ = ("service", "proposed_settings")
 """Records that every task may read."""
 
@@ -55,7 +57,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
 
     def line(name: str, trigger: str, reads: Sequence[str], writes: Sequence[str], **facts: Any) -> Task:
         """One line; facts: further fields of ``Task``."""
-        declared = settings.tasks[name]
+        declared = settings.tasks[name] if trigger != PERIOD else settings.tasks.get(name, ONCE_A_SECOND)
         return Task(
             name=name,
             module="" if trigger == NONE else f"{__package__}.{name}",
@@ -68,7 +70,11 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         )
 
     def watcher(name: str, purpose: str) -> Task:
-        """A task that looks at the newest image of the camera now and then; its record has its name."""
+        """A task that looks at the newest image of the camera periodically; its record has its name.
+
+        A new one needs its module beside this file, its line below, its record in ``rtdb.records`` and, to be shown on
+        the page, its report in ``app/web/reports/checks.py``.
+        """
         return line(name, PERIOD, [frames], [f"{name}/{camera}"], purpose=purpose)
 
     reader: dict[str, Any] = {"on_frame_path": True, "purpose": "reads the camera", "period_owner": "the camera"}

@@ -47,7 +47,7 @@ def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
         delivers = f"the camera delivers {measured_hz:.1f} of {expected_hz:g} pictures a second"
         yield Degradation("camera rate", delivers, hold_s=RATE_HOLD_S)
     for task in ("perceive", "serve"):
-        period_s = snapshot.service.settings.tasks[task].period_ms / MS_PER_S
+        period_s = snapshot.task(task).times.period_ms / MS_PER_S
         wanted_hz = min(measured_hz, 1.0 / period_s) if period_s else measured_hz
         rate_hz = _rate_hz(snapshot, task)
         if rate_hz is not None and rate_hz < MIN_RATE * wanted_hz:
