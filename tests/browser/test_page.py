@@ -321,7 +321,7 @@ def test_the_documentation_needs_no_internet(browser: Browser, server: PageServe
         expect(details.locator("pre")).to_contain_text(told)
     change = page.locator("#operations details", has_text="PATCH")
     change.locator("summary").click()
-    expect(change).to_contain_text("Sent as JSON: Wish")
+    expect(change).to_contain_text("Sent as JSON: Override")
     expect(page.locator("#schemas details", has_text="CameraReport").first).to_be_attached()
     assert watched.complaints == []
     page.close()
