@@ -33,7 +33,7 @@ DESCRIPTION = """What every robot on the field would see, from one ceiling camer
 Robots use UDP; this API is for people and tools. The only thing that it changes is how tasks run.
 
 The page uses the WebSocket `/live`: each message that a client sends, whatever its content, is answered by the newest
-picture (binary) and the newest state (JSON). `/live?topics=timing` selects among the topics picture, timing and state."""
+picture (binary) and the newest state (JSON). `/live?topics=timing` selects topics: picture, timing, state."""
 
 
 def create_app(store: Store) -> FastAPI:

@@ -274,6 +274,7 @@ STATES: dict[str, Scene] = {
         condition=Condition(rights=False, p99_us=3200.0, reporting=False),
         states={"watch": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")},
     ),
+    "slow": Scene(condition=Condition(camera_rate_hz=9.0)),
     "explained": Scene(
         missing=4,
         reasons=(

@@ -6,8 +6,8 @@ with the message of the page's last topic. So at most one update is on its way t
 network is, and no queue grows. A page that requests nothing for PATIENCE_S is disconnected, and so is a page whose
 topics have no news for so long.
 
-Messages are made at most RATE_HZ times a second, once for all pages, and only while a page has subscribed to their topic
-(``app.web.live.messages``).
+Messages are made at most RATE_HZ times a second, once for all pages, and only while a page has subscribed to their
+topic (``app.web.live.messages``).
 """
 
 import asyncio
@@ -94,7 +94,10 @@ class Live:
         return {topic for topics in self._pages.values() for topic in topics}
 
     async def _send_updates(self, page: WebSocket, topics: tuple[str, ...]) -> None:
-        """Send updates until the page disconnects. Raises TimeoutError with a reason for the page when a wait takes too long."""
+        """Send updates until the page disconnects.
+
+        Raises TimeoutError, with a reason for the page, when a wait takes longer than PATIENCE_S.
+        """
         seen: dict[str, int] = {}
         while True:
             async with _patience("the page has not requested an update"):

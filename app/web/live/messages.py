@@ -1,7 +1,7 @@
 """The messages for open pages: one per topic, made when the topic has news and a page has subscribed to it.
 
-Picture: binary, little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the service], then
-a JPEG. State and timing: JSON with a key ``topic``, see ``State`` and ``Times``.
+Picture: binary, little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the service],
+then a JPEG. State and timing: JSON with a key ``topic``, see ``State`` and ``Times``.
 """
 
 import asyncio

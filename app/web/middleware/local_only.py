@@ -1,9 +1,9 @@
 """Requests that change something are accepted from this machine only, from our own page or a program, as short JSON.
 
 Every machine that reaches the page may read. Changes need the server's own machine, because there are no user roles yet
-that distinguish a referee from a team. A browser sends a request of a foreign page with its ``Origin`` header; a request
-with JSON, or by a method other than POST, needs a preflight request first, which is never granted. Origin and content
-type are checked for every request that does not only read.
+that distinguish a referee from a team. A browser sends a request of a foreign page with its ``Origin`` header; a
+request with JSON, or by a method other than POST, needs a preflight request first, which is never granted. Origin and
+content type are checked for every request that does not only read.
 """
 
 from http import HTTPStatus
