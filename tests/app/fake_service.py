@@ -128,12 +128,12 @@ class FakeService:
 
     def write_frame(self) -> None:
         """What the tasks write for one image."""
-        grabbed = self.clock.now()
-        t = (grabbed - self.boot) / 1e9 if self.scene.moving else 0.0
+        t = (self.clock.now() - self.boot) / 1e9 if self.scene.moving else 0.0
         self._frames += 1
         poses = self._poses(t) if self.scene.robots else []
         ball = self._on_field(0.65 * math.sin(0.5 * t), 0.6 * math.cos(0.37 * t))
         pixels = self._picture.drawn(poses, ball)
+        grabbed = self.clock.now()  # after drawing, which takes long on a loaded machine
         self._writers[f"frames/{CAMERA}"].write(pixels.tobytes(), grabbed, self.clock.now())
         source = SourceInfo("synthetic", "simulated ceiling camera", self.scene.repeats, 30.0)
         self.put(records.source(CAMERA), source)
