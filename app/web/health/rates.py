@@ -4,7 +4,9 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
+from app.web.health.frame_path import frame_path
 from vision_core.rtdb import records
+from vision_core.rtdb.task import Task
 
 MS_PER_S = 1e3
 MIN_RATE = 0.9
@@ -40,19 +42,19 @@ def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
 def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """The first task of the frame's path that runs too rarely: later ones run rarely because of it."""
     expected_hz = _expected_hz(snapshot)
-    measured_hz = _rate_hz(snapshot, "capture")
+    camera, *following = frame_path(snapshot)
+    measured_hz = _rate_hz(snapshot, camera)
     if measured_hz is None:
         return
     if measured_hz < MIN_RATE * expected_hz:
         delivers = f"the camera delivers {measured_hz:.1f} of {expected_hz:g} pictures a second"
         yield Degradation("camera rate", delivers, hold_s=RATE_HOLD_S)
-    for task in ("perceive", "serve"):
-        period_s = snapshot.task(task).times.period_ms / MS_PER_S
-        wanted_hz = min(measured_hz, 1.0 / period_s) if period_s else measured_hz
+    for task in following:
+        wanted_hz = task.rate_hz(measured_hz)
         rate_hz = _rate_hz(snapshot, task)
         if rate_hz is not None and rate_hz < MIN_RATE * wanted_hz:
             used = f"only {rate_hz:.1f} of {wanted_hz:.1f} pictures a second reach the robots"
-            yield Degradation("task rate", used, f"task {task} runs too rarely", RATE_HOLD_S)
+            yield Degradation("task rate", used, f"task {task.name} runs too rarely", RATE_HOLD_S)
             return
 
 
@@ -65,15 +67,16 @@ def _expected_hz(snapshot: ServiceSnapshot) -> float:
     return source.value.rate_hz if source and source.value.repeats else snapshot.service.settings.camera.rate_hz
 
 
-def _rate_hz(snapshot: ServiceSnapshot, task: str) -> float | None:
+def _rate_hz(snapshot: ServiceSnapshot, task: Task) -> float | None:
     """Runs per second of a task [1/s]; None while it does not report."""
-    timed = snapshot.tasks.get(task)
+    timed = snapshot.tasks.get(task.name)
     return timed.value.rate_hz if timed and timed.valid else None
 
 
 def _lag(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
-    """Perception and serving follow each other, so their response times add up."""
-    reports = [timed for task in ("perceive", "serve") if (timed := snapshot.tasks.get(task)) and timed.valid]
+    """The tasks after the camera's follow each other, so their response times add up."""
+    following = frame_path(snapshot)[1:]
+    reports = [timed for task in following if (timed := snapshot.tasks.get(task.name)) and timed.valid]
     lag_s = sum(timed.value.response_median_ms for timed in reports) / MS_PER_S
     if lag_s > MAX_LAG_S:
         text = (
