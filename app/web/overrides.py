@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from http import HTTPStatus
 
+from msgspec import structs
+
 from app.web.problems import RequestRefused
 from app.web.reports.tasks import Override
 from vision_core.clock import MonotonicClock
@@ -84,8 +86,12 @@ class TaskOverrides:
                 )
 
     def _problems(self, overrides: Mapping[str, TaskOverride]) -> list[TableProblem]:
-        """What is wrong with the rates of the task table when these overrides hold."""
-        tasks = [with_override(task, overrides[name]) for name, task in self._table.items()]
+        """What is wrong with the rates of the task table when these overrides hold.
+
+        Offsets are left out: a grid is shifted by the rest of the offset, whatever period an override gives it.
+        """
+        changed = [with_override(task, overrides[name]) for name, task in self._table.items()]
+        tasks = [replace(task, times=structs.replace(task.times, offset_ms=0.0)) for task in changed]
         return list(rate_problems(tasks, self._rate_hz))
 
 

@@ -7,13 +7,16 @@ from app.web.health.degradation import Degradation
 from app.web.health.frame_path import frame_path
 from vision_core.rtdb import records
 from vision_core.rtdb.task import Task
+from vision_core.timing.running_rate import OVER_S
 
 MS_PER_S = 1e3
 MIN_RATE = 0.9
 """Share of the expected rate below which pictures are missing. Jitter and a dropped picture now and then cost less
 than 1 %; a camera that falls back to its next lower mode delivers 25 of 30 pictures or fewer."""
-RATE_HOLD_S = 6.0
-"""Tasks measure their rates over 5 s, so a gap that is over still lowers them for 5 s."""
+RATE_ERROR_HZ = 2.0 / OVER_S
+"""A rate is a number of runs over the last 5 s; two of them differ by one run each when they are the same."""
+RATE_HOLD_S = OVER_S + 1.0
+"""A gap that is over still lowers a rate for 5 s."""
 MAX_LAG_S = 0.05
 """From the publication of a picture to its last datagram. A robot that drives 2 m/s moves by its radius, 0.1 m, in this
 time; perception and serving together need less than 5 ms on an idle machine."""
@@ -46,16 +49,21 @@ def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     measured_hz = _rate_hz(snapshot, camera)
     if measured_hz is None:
         return
-    if measured_hz < MIN_RATE * expected_hz:
+    if _is_below(measured_hz, expected_hz):
         delivers = f"the camera delivers {measured_hz:.1f} of {expected_hz:g} pictures a second"
         yield Degradation("camera rate", delivers, hold_s=RATE_HOLD_S)
     for task in following:
         wanted_hz = task.rate_hz(measured_hz)
         rate_hz = _rate_hz(snapshot, task)
-        if rate_hz is not None and rate_hz < MIN_RATE * wanted_hz:
+        if rate_hz is not None and _is_below(rate_hz, wanted_hz):
             used = f"only {rate_hz:.1f} of {wanted_hz:.1f} pictures a second reach the robots"
             yield Degradation("task rate", used, f"task {task.name} runs too rarely", RATE_HOLD_S)
             return
+
+
+def _is_below(rate_hz: float, expected_hz: float) -> bool:
+    """Is a measured rate below the accepted share of another, beyond the error of measurement?"""
+    return rate_hz < MIN_RATE * expected_hz - RATE_ERROR_HZ
 
 
 def _expected_hz(snapshot: ServiceSnapshot) -> float:

@@ -78,6 +78,11 @@ def test_the_first_task_that_skips_pictures_is_named(
     ]
 
 
+def test_a_slow_source_is_measured_to_one_run_in_five_seconds(well: ServiceSnapshot) -> None:
+    counted = with_rates(played(well, 0.5), capture=0.6, perceive=0.4, serve=0.4)
+    assert all("pictures a second" not in sentence for sentence in sentences(counted))
+
+
 def test_a_task_that_the_venue_slows_is_no_cause(well: ServiceSnapshot) -> None:
     venue = load_settings(options={"tasks.serve.period_ms": 100.0})
     slowed = replace(
