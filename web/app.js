@@ -1,4 +1,4 @@
-// The page: one connection in, everything drawn from its newest turn.
+// The page: one live connection, everything is drawn from its newest update.
 
 import { counted, robotLabel, setText } from "./drawing.js";
 import { drawField, obstacleAt, robotAt } from "./field.js";
@@ -16,16 +16,16 @@ const CLOCK_DRIFT = 1e-4;
 
 let field = null; // of /api/v1/field
 let tiles = [];
-let state = null; // newest turn
+let state = null; // newest state
 let picture = null;
 let times = null; // of the tasks
-let received = 0; // when the newest turn came [s of this page's clock]
+let received = 0; // when the newest update came [s of this page's clock]
 let ahead = -Infinity; // the service's clock minus this page's [s]; a late message can only make it too small
 let linked = false;
 let chosen = null; // {team, number}
-let unnamed = ""; // what to say about a thing that was clicked and cannot be chosen
+let unnamed = ""; // words about an object that was clicked and cannot be chosen
 
-connect(onTurn, onLink);
+connect(onUpdate, onLink);
 setInterval(showAges, 100);
 setInterval(showTables, TABLES_EVERY_MS);
 setInterval(describe, DESCRIBE_EVERY_MS);
@@ -47,7 +47,7 @@ const robotUnder = (x, y) => (field && state ? robotAt($("field"), field, state,
 const obstacleUnder = (x, y) => (field && state ? obstacleAt($("field"), field, state, x, y) : null);
 const seconds = () => performance.now() / 1000;
 
-function onTurn(newState, newPicture, newTimes) {
+function onUpdate(newState, newPicture, newTimes) {
   ahead = Math.max(newState.now_s - seconds(), ahead - CLOCK_DRIFT * (seconds() - received));
   received = seconds();
   if (newPicture && newPicture !== picture) {
@@ -89,7 +89,7 @@ async function loadField() {
 function clickField(robot, obstacle) {
   if (!robot && !obstacle) return choose(null);
   if (robot?.number) return toggle(robot);
-  unnamed = !robot ? obstacleWords(obstacle) : `${robotLabel(field, robot.team, robot.id)}: its number is not read, so nobody gets its view`;
+  unnamed = !robot ? obstacleWords(obstacle) : `${robotLabel(field, robot.team, robot.id)}: its number cannot be read, so no robot is sent its view`;
   caption();
 }
 
@@ -111,9 +111,9 @@ function choose(robot) {
 /** What the field shows just now. */
 function caption() {
   const name = chosen && `${chosen.team} ${chosen.number}`;
-  const told = !chosen ? "Choose a robot to see what it sees."
+  const words = !chosen ? "Choose a robot to see what it sees."
     : viewOf(chosen) ? `What ${name} sees; far edges are as coarse as one pixel of its mirror` : `${name} is not seen`;
-  setText($("selected"), unnamed || told);
+  setText($("selected"), unnamed || words);
   $("selected").classList.toggle("missed", !unnamed && chosen !== null && !viewOf(chosen));
 }
 
@@ -137,8 +137,9 @@ function showTables() {
   if (!state) return;
   showStatus(state.status, state.pages, (client) => viewOf(client) !== undefined);
   if (times) showTasks(times, state.status.processes);
-  const { ready, reasons, degraded } = state.status;
-  if (linked) showVerdict(ready ? "ready" : "not-ready", ready ? "ready" : "not ready", reasons, degraded);
+  const { state: condition, reasons, alarms } = state.status;
+  const words = condition.replace("_", " ");
+  if (linked) showVerdict(words.replace(" ", "-"), words, reasons, alarms);
   setText($("picture-empty"), reasons[0] ?? "no image yet");
   $("picture-empty").hidden = picture !== null;
 }

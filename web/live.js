@@ -1,16 +1,16 @@
-// The live connection: says "next", is handed the newest turn, says "next" again. Reconnects by itself.
-// A turn is a picture and the tasks' times, where there are new ones, and ends with a state.
+// The live connection: requests an update, receives it, requests the next one. Reconnects by itself.
+// An update is a picture and the tasks' times, where there are new ones, and ends with a state.
 
 const RETRY_MS = [300, 500, 1000, 2000];
-const SILENCE_MS = 3000; // the service speaks four times a second at least
+const SILENCE_MS = 3000; // the service sends at least four updates a second
 const HEADER_BYTES = 12;
 
 /**
- * Keep a live connection. onTurn(state, picture, times) is called for every turn, picture is null or
+ * Keep a live connection. onUpdate(state, picture, times) is called for every update, picture is null or
  * {number, grabbed_s, bitmap}, times are null or as of the topic timing; onLink(open, reason) when the link opens or
  * is lost.
  */
-export function connect(onTurn, onLink) {
+export function connect(onUpdate, onLink) {
   let socket = null;
   let failures = 0;
   let watchdog = 0;
@@ -42,7 +42,7 @@ export function connect(onTurn, onLink) {
       }
       const newest = await picture;
       if (mine !== socket) return;
-      onTurn(message, newest, times);
+      onUpdate(message, newest, times);
       if (mine.readyState === WebSocket.OPEN) mine.send("next");
     };
     mine.onclose = ({ reason }) => {
@@ -55,7 +55,7 @@ export function connect(onTurn, onLink) {
     clearTimeout(retry);
     socket = null;
     onLink(false, reason);
-    if (document.hidden) return; // nobody looks: the service need not make pictures for this page
+    if (document.hidden) return; // the page is hidden: the service need not make pictures for it
     retry = setTimeout(open, RETRY_MS[Math.min(failures++, RETRY_MS.length - 1)]);
   }
 

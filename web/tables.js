@@ -23,10 +23,10 @@ export function showStatus(status, pages, isSeen) {
 
 /** The parts of the lag: what is the server's, and what clients report of the rest. */
 function showLags({ server, network, client, shutter_delay_ms: shutter }) {
-  const parts = [["A, server", server], ["B, network", network], ["C, client", client]];
+  const parts = [["server (lag A)", server], ["network (lag B)", network], ["robot's program (lag C)", client]];
   setText($("lag"), parts.map(([, part]) => (part ? part.median_ms.toFixed(1) : "–")).join(" · "));
   const words = parts.map(([name, part]) => `${name}: ${part ? `${part.median_ms.toFixed(2)} ms median, ${part.max_ms.toFixed(2)} ms max` : "not reported"}`);
-  $("lag").parentElement.title = ["From the grab of an image until a robot's program has used it", ...words, `before all that the shutter's delay: ${shutter} ms`].join("\n");
+  $("lag").parentElement.title = ["From the grab of an image until a robot's program has used its view: server, network, program", ...words, `before that, the shutter's delay: ${shutter} ms`].join("\n");
 }
 
 /** Why nothing, or too little, is detected: one line each. */
@@ -34,13 +34,17 @@ function showReasons(reasons) {
   list($("detection"), reasons);
 }
 
-/** Show the verdict: kind is ready, not-ready or waiting; degraded is what is worse than it should be. */
-export function showVerdict(kind, text, reasons, degraded) {
+/**
+ * Show the state of the service: kind is ready, degraded, not-ready or waiting; reasons say why no robot is served,
+ * alarms {text, detail} what is worse than it should be. People who run a match read the texts, technicians the details.
+ */
+export function showVerdict(kind, text, reasons, alarms) {
   $("verdict").className = `pill ${kind}`;
   setText($("verdict"), text);
   setText($("reasons"), reasons.join("; "));
   $("reasons").hidden = reasons.length === 0;
-  list($("degraded"), degraded);
+  list($("degraded"), [...new Set(alarms.map((alarm) => alarm.text))]);
+  list($("alarm-details"), alarms.filter(({ detail }) => detail).map((alarm) => `${alarm.text}: ${alarm.detail}`));
 }
 
 /** Sentences as a list, which is there while it holds any. */
@@ -77,9 +81,8 @@ function showClients(status, isSeen) {
     isSeen(client) ? [client.rate_hz.toFixed(1), "number"] : ["⚠ not seen", "number wait"],
     [lag(client.network_ms), "number"],
     [lag(client.client_ms), "number"],
-    [String(client.sent), "number minor"],
     [String(client.dropped), client.dropped ? "number bad" : "number"],
-    [client.sent ? client.mean_rank.toFixed(2) : "–", "number minor"],
+    [String(client.sent), "number minor"],
   ]);
   fill($("clients"), rows);
 }

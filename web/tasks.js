@@ -1,4 +1,4 @@
-// The table of tasks: when each runs, what it has got, how it does.
+// The table of tasks: what starts each of them, its granted priority, its response times.
 
 import { cleared, color, counted, setText } from "./drawing.js";
 
@@ -17,7 +17,7 @@ export function showTasks(times, processes) {
   if (times.tasks.map(({ name }) => name).join() !== [...rows.keys()].join()) makeRows(times.tasks);
   const states = new Map(processes.map((process) => [process.name, process]));
   const timings = new Map(times.timing.tasks.map((timing) => [timing.name, timing]));
-  const explained = new Set(); // processes whose state is told already
+  const explained = new Set(); // processes whose state is shown already
   for (const task of times.tasks) {
     const row = rows.get(task.name);
     const process = states.get(task.process);
@@ -55,9 +55,9 @@ function showTask({ line, cells }, task, process, timing) {
   const lost = process && BAD_STATES.has(process.state);
   line.className = task.enabled ? "" : "off";
   setLook(cells.name, lost ? "bad" : process?.state === "running" ? "" : "wait", `${task.name}${task.proposed ? " ✎" : ""}`);
-  cells.name.title = [`process ${task.process}${process ? `: ${process.state}, id ${process.pid ?? "none"}` : ""}`, proposal(task.proposed)].filter(Boolean).join("\n");
+  cells.name.title = [`process ${task.process}${process ? `: ${process.state}, id ${process.pid ?? "none"}` : ""}`, override(task.proposed)].filter(Boolean).join("\n");
   setText(cells.trigger, released(task));
-  cells.trigger.title = `trigger ${task.trigger ?? "not told yet"}, period ${task.period_ms} ms, offset ${task.offset_ms} ms, budget ${task.budget_ms} ms`;
+  cells.trigger.title = `trigger ${task.trigger ?? "not reported yet"}, period ${task.period_ms} ms, offset ${task.offset_ms} ms, budget ${task.budget_ms} ms`;
   setLook(cells.priority, task.refused ? "wait" : "", `${task.refused ? "⚠ " : ""}${task.policy ?? "–"}`);
   cells.priority.title = task.refused || "";
   setLook(cells.rate, task.enabled ? "number" : "number wait", task.enabled ? fixed(task.valid ? task.rate_hz : null, 1) : "off");
@@ -71,25 +71,25 @@ function showTask({ line, cells }, task, process, timing) {
   count(cells.restarts, process?.restarts ?? null);
 }
 
-/** Below a task: why its process does not run, and what it says itself. The page says by itself how many are open. */
+/** Below a task: why its process does not run, and its note. The page shows the note of its own process elsewhere. */
 function showDetail({ below, detail }, task, process) {
   const state = process && process.state !== "running" ? [`process ${process.name} is ${process.state}${process.detail ? `: ${process.detail}` : ""}`] : [];
-  const words = [...state, task.name === "web" ? "" : task.note].filter(Boolean).join("; ");
+  const words = [...state, task.trigger === "none" ? "" : task.note].filter(Boolean).join("; ");
   setText(detail, words);
   below.hidden = !words;
 }
 
-/** What releases a task, in a word or two. */
+/** What starts a task, in a word or two. */
 function released({ trigger, period_ms }) {
   if (period_ms) return period_ms < 1000 ? `every ${period_ms} ms` : `every ${period_ms / 1000} s`;
   if (trigger === null) return "–";
   return trigger === "none" ? "own loop" : trigger.split("/")[0];
 }
 
-function proposal(proposed) {
+function override(proposed) {
   if (!proposed) return "";
-  const wishes = Object.entries(proposed).filter(([, value]) => value !== null);
-  return `changed while it runs: ${wishes.map(([key, value]) => `${key} ${value}`).join(", ")}`;
+  const values = Object.entries(proposed).filter(([, value]) => value !== null);
+  return `changed while it runs: ${values.map(([key, value]) => `${key} ${value}`).join(", ")}`;
 }
 
 function setLook(cell, look, text) {
@@ -103,7 +103,7 @@ function count(cell, value) {
 
 const fixed = (value, digits) => (value === null ? "–" : value.toFixed(digits));
 
-/** Milliseconds with about two digits that say something. */
+/** Milliseconds with about two significant digits. */
 function short(value_ms) {
   return fixed(value_ms, value_ms < 0.995 ? 2 : value_ms < 9.95 ? 1 : 0);
 }

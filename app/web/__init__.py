@@ -1,8 +1,9 @@
 """The web process: page, API and live connection. It reads the real-time database and knows no stage.
 
-``process`` (main), ``application`` (FastAPI), ``blackboard`` (all records, read at one instant), ``reports/`` (what is
-told about each subject), ``routes/`` (HTTP), ``live/`` (WebSocket), ``middleware/`` (who may do what), ``overrides``
-(what operators change), ``heartbeat``, ``metrics`` (Prometheus), ``problems`` (errors as problem details).
+``process`` (main), ``application`` (FastAPI), ``blackboard`` (all records, read at one instant), ``health/`` (ready,
+degraded or not ready), ``reports/`` (what the API reports, one module per subject), ``routes/`` (HTTP), ``live/``
+(WebSocket), ``middleware/`` (which requests are refused), ``overrides`` (changes of tasks while the service runs),
+``heartbeat``, ``metrics`` (Prometheus), ``problems`` (errors as problem details).
 """
 
 PROCESS = f"{__name__}.process"

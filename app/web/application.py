@@ -1,12 +1,8 @@
 """The web application: reads the database, serves the page, the API and the live connection.
 
-Theory of operation. One process, one event loop, one worker. It shares no interpreter with anything that
-keeps time, reads shared memory without locks, and no writer ever waits for it. What costs (JPEG) runs in
-a thread and only while somebody looks.
-
-Files, outside-in: ``web_process`` (entry), this factory, ``routes`` (HTTP), ``live`` (WebSocket),
-``turns``, ``status``, ``reports``, ``task_report``, ``timing``, ``metrics``, ``readiness`` and ``degradation``
-(what is told), ``proposals`` (what is wanted of tasks), ``blackboard`` (what is read).
+Theory of operation. One process, one event loop, one worker. It shares no interpreter with a real-time task, it reads
+shared memory without locks, and no writer ever waits for it. Expensive work (JPEG) runs in a thread, and only while a
+page is open.
 """
 
 import asyncio
@@ -20,9 +16,9 @@ from app.web.health.log import watch_health
 from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import POLICY_VIOLATION, Live
-from app.web.middleware.local_only import ChangesGuard
+from app.web.middleware.local_only import LocalChangesOnly
 from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
-from app.web.overrides import Proposals
+from app.web.overrides import TaskOverrides
 from app.web.problems import install_problems
 from app.web.routes.api import api_routes
 from app.web.routes.health import health_routes
@@ -34,14 +30,14 @@ from vision_core.scheduling.metrics import TaskMetrics
 
 DESCRIPTION = """What every robot on the field would see, from one ceiling camera.
 
-Robots talk UDP; this API is for people and tools. All that it changes is how tasks run.
+Robots use UDP; this API is for people and tools. The only thing that it changes is how tasks run.
 
-The live connection of the page is the WebSocket `/live`: send any message, and the newest picture (binary) and state
-(JSON) come back; of the topics picture, timing and state `/live?topics=timing` takes those that it names."""
+The page uses the WebSocket `/live`: each message that a client sends, whatever its content, is answered by the newest
+picture (binary) and the newest state (JSON). `/live?topics=timing` selects topics: picture, timing, state."""
 
 
 def create_app(store: Store) -> FastAPI:
-    """The application on a database. Raises LookupError before the supervisor's first record."""
+    """The application for one database. Raises LookupError when the supervisor has not written its first record."""
     blackboard = Blackboard(store)
     task = own_line(blackboard.service.tasks)
     metrics = TaskMetrics(store, task, task.process)
@@ -65,15 +61,15 @@ def create_app(store: Store) -> FastAPI:
         version=blackboard.service.version,
         description=DESCRIPTION,
         lifespan=lifespan,
-        docs_url=None,  # ours needs no internet
+        docs_url=None,  # FastAPI's page loads scripts from the internet; ours does not
         redoc_url=None,
     )
-    app.add_middleware(ChangesGuard)
+    app.add_middleware(LocalChangesOnly)
     app.add_middleware(SecurityHeaders)
     install_problems(app)
     app.include_router(health_routes(blackboard, monitor))
     app.include_router(api_routes(blackboard, monitor))
-    app.include_router(task_routes(blackboard, Proposals(store, blackboard.service)))
+    app.include_router(task_routes(blackboard, TaskOverrides(store, blackboard.service)))
     app.include_router(timing_routes(blackboard, monitor, live))
     app.include_router(page_routes())
     app.mount("/web", static_files())

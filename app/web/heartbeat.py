@@ -1,4 +1,4 @@
-"""The web process tells that it lives, and how it does, as every task does."""
+"""The heartbeat and the metrics of the web process, written like those of every task."""
 
 import asyncio
 from collections.abc import Iterable
@@ -15,20 +15,21 @@ EVERY_S = 0.2
 
 
 def own_line(tasks: Iterable[Task]) -> Task:
-    """The line of the task table for the web process: the one with a loop of its own."""
+    """The web process's line of the task table: the one with a loop of its own."""
     return next(task for task in tasks if task.own_loop)
 
 
 async def keep_beating(store: Store, task: Task, metrics: TaskMetrics, live: Live) -> None:
-    """Write ``heartbeat/web``, for ever, and about twice a second how it does.
+    """Write the process's heartbeat for ever, and its metrics about twice a second.
 
-    From the loop that serves pages, so that it stops when they do; a run of this task is a turn that was made.
+    It runs in the loop that serves pages, so that the heartbeat stops when that loop is blocked. A run of this task is
+    one set of messages made for the pages.
     """
-    beats = store.writer(records.heartbeat(task.process).name)
+    heartbeat = store.writer(records.heartbeat(task.process).name)
     clock = MonotonicClock()
     while True:
         now = clock.now()
-        beats.write(b"", now, now)
+        heartbeat.write(b"", now, now)
         metrics.note = f"{live.pages} page{'' if live.pages == 1 else 's'} open"
         metrics.publish_if_due(now, task, ORDINARY, ())
         await asyncio.sleep(EVERY_S)

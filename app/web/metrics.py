@@ -1,7 +1,7 @@
-"""What ``/metrics`` tells Prometheus, gathered when it asks.
+"""The metrics that Prometheus collects from ``/metrics``.
 
-Histograms have two buckets to an octave, merged from the thirty-two bins of the database; their sums are taken
-from the middles of its bins, which are 3 % wide.
+Histograms have two buckets per octave, merged from the 32 bins per octave of the database. Their sums are computed from
+the middles of these bins, which are 3 % wide.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,20 +25,20 @@ from vision_core.types.objects import Team
 FIRST_S, LAST_S = 8e-6, 4.2
 STEP = PER_OCTAVE // 2
 BOUNDS = tuple(index for index in range(1, EDGES_S.size, STEP) if FIRST_S < EDGES_S[index] < LAST_S)
-"""Numbers of the edges at which buckets end."""
+"""Indices of the bin edges at which buckets end."""
 MIDDLES_S = (EDGES_S[:-1] + EDGES_S[1:]) / 2.0
 LABELS = ("task", "process")
 TIMES = {
-    "lateness": "From a release to the beginning of the run",
+    "lateness": "From the trigger to the beginning of the run",
     "execution": "From the beginning to the end of a run",
-    "response": "From a release to the end of its run",
+    "response": "From the trigger to the end of the run",
     "interval": "Between the beginnings of two runs",
 }
 TALLIES = {
     "runs": "Runs since the task's start",
-    "missed": "Releases that passed without a run",
+    "missed": "Triggers that were followed by no run",
     "overruns": "Runs longer than the budget",
-    "collections": "Collections of garbage, all between two runs",
+    "collections": "Garbage collections, all between two runs",
 }
 LIVING = (ProcessState.RUNNING, ProcessState.DONE)
 
@@ -52,11 +52,11 @@ class ServiceCollector(Collector):
         self._live = live
 
     def describe(self) -> list[Metric]:
-        """Nothing beforehand: names are told with the values."""
+        """Nothing: the names come with the values."""
         return []
 
     def collect(self) -> Iterator[Metric]:
-        """Everything, now."""
+        """All metrics at this instant."""
         snapshot, timings = self._blackboard.read(), self._blackboard.timings()
         yield from _service(snapshot, self._monitor.judge(snapshot))
         yield GaugeMetricFamily("pslv_pages", "Pages that are open", value=self._live.pages)
@@ -103,15 +103,15 @@ def _clients(snapshot: ServiceSnapshot) -> Iterator[Metric]:
 
 
 def _tasks(snapshot: ServiceSnapshot) -> Iterator[Metric]:
-    spoken = {name: timed.value for name, timed in snapshot.tasks.items() if timed.valid}
+    reported = {name: timed.value for name, timed in snapshot.tasks.items() if timed.valid}
     enabled = GaugeMetricFamily("pslv_task_enabled", "0 while a task is switched off", labels=LABELS)
-    for name, told in spoken.items():
-        enabled.add_metric([name, told.process], told.times.enabled)
+    for name, info in reported.items():
+        enabled.add_metric([name, info.process], info.times.enabled)
     yield enabled
     for tally, words in TALLIES.items():
         family = CounterMetricFamily(f"pslv_task_{tally}", words, labels=LABELS)
-        for name, told in spoken.items():
-            family.add_metric([name, told.process], getattr(told, tally))
+        for name, info in reported.items():
+            family.add_metric([name, info.process], getattr(info, tally))
         yield family
 
 

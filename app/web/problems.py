@@ -17,8 +17,8 @@ MEDIA_TYPE = "application/problem+json"
 MAX_FOUND = 200
 
 
-class Problem(Report):
-    """What went wrong with a request."""
+class ProblemDetails(Report):
+    """Why a request failed."""
 
     type: str = "about:blank"
     title: str
@@ -27,41 +27,47 @@ class Problem(Report):
     instance: str
     """Path of the request."""
     asked: str | None = None
-    """Of a request that cannot be obeyed: what it asked for, as the next two."""
+    """What a request asked for that was understood and refused."""
     found: str | None = None
+    """What was found instead."""
     accepted: str | None = None
+    """What would be accepted."""
 
 
 class RequestRefused(HTTPException):
-    """A request that is understood and cannot be obeyed."""
+    """A request that was understood and is refused."""
 
     def __init__(self, status: HTTPStatus, asked: str, *, found: str, accepted: str) -> None:
         super().__init__(status, str(PslvError(asked, found=found, accepted=accepted)))
-        self.told = {"asked": asked, "found": found, "accepted": accepted}
+        self.parts = {"asked": asked, "found": found, "accepted": accepted}
 
 
-def problem_response(request: Request, status: int, detail: str, told: Mapping[str, str] | None = None) -> JSONResponse:
-    """A problem as the answer to a request; told: what was asked, found and accepted."""
+def problem_response(
+    request: Request, status: int, detail: str, parts: Mapping[str, str] | None = None
+) -> JSONResponse:
+    """The answer to a request that failed; parts: what it asked, what was found and what would be accepted."""
     title = HTTPStatus(status).phrase
-    problem = Problem(title=title, status=status, detail=detail, instance=request.url.path, **(told or {}))
+    problem = ProblemDetails(title=title, status=status, detail=detail, instance=request.url.path, **(parts or {}))
     return JSONResponse(problem.model_dump(exclude_none=True), status, media_type=MEDIA_TYPE)
 
 
 def install_problems(app: FastAPI) -> None:
-    """Have every error answered as a problem."""
+    """Answer every error with problem details."""
 
     async def refused(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, HTTPException)
-        told = error.told if isinstance(error, RequestRefused) else None
-        return problem_response(request, error.status_code, error.detail, told)
+        parts = error.parts if isinstance(error, RequestRefused) else None
+        return problem_response(request, error.status_code, error.detail, parts)
 
     async def invalid(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, RequestValidationError)
-        told = _first(error.errors())
-        return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, str(PslvError(**told)), told)
+        parts = _first(error.errors())
+        return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, str(PslvError(**parts)), parts)
 
     async def failed(request: Request, _error: Exception) -> JSONResponse:
-        return problem_response(request, HTTPStatus.INTERNAL_SERVER_ERROR, "a bug; the log of the service tells more")
+        return problem_response(
+            request, HTTPStatus.INTERNAL_SERVER_ERROR, "a bug in the service; its log has the details"
+        )
 
     app.add_exception_handler(HTTPException, refused)
     app.add_exception_handler(RequestValidationError, invalid)
@@ -69,7 +75,7 @@ def install_problems(app: FastAPI) -> None:
 
 
 def _first(errors: Sequence[Any]) -> dict[str, str]:
-    """The first error of a request, in our words."""
+    """The first error of a request: what was asked, found and accepted."""
     error = errors[0]
     if error["type"] == "json_invalid":
         return {"asked": "the request's body", "found": str(error["ctx"]["error"]), "accepted": "JSON"}

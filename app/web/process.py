@@ -1,6 +1,6 @@
-"""Process: the page and the API. Reads the database, writes how it does itself and what people want changed.
+"""The web process: serves the page and the API from the real-time database.
 
-It may die at any time: robots are served on, and the supervisor starts it again on the same socket.
+It may end at any time: robots are still served, and the supervisor starts it again on the same socket.
 """
 
 import socket
@@ -11,14 +11,14 @@ from app.web.application import create_app
 from vision_core.scheduling.attachment import attach
 
 MAX_MESSAGE = 1024
-"""What a page may send [bytes]: it says no more than "next"."""
+"""Largest message that a page may send [bytes]; it sends only the word "next"."""
 
 
 def main() -> None:
-    """Serve until the supervisor says stop.
+    """Serve until the supervisor sends SIGTERM.
 
-    While it serves, uvicorn takes SIGTERM, closes open pages and returns; the attachment's own handler
-    is for processes that loop by themselves.
+    uvicorn handles SIGTERM: it closes open pages and returns. The attachment's own handler is for processes that run a
+    loop of their own.
     """
     attachment = attach()
     listener = socket.socket(fileno=attachment.resources.sockets["http"])

@@ -128,12 +128,12 @@ class FakeService:
 
     def write_frame(self) -> None:
         """What the tasks write for one image."""
-        grabbed = self.clock.now()
-        t = (grabbed - self.boot) / 1e9 if self.scene.moving else 0.0
+        t = (self.clock.now() - self.boot) / 1e9 if self.scene.moving else 0.0
         self._frames += 1
         poses = self._poses(t) if self.scene.robots else []
         ball = self._on_field(0.65 * math.sin(0.5 * t), 0.6 * math.cos(0.37 * t))
         pixels = self._picture.drawn(poses, ball)
+        grabbed = self.clock.now()  # after drawing, which takes long on a loaded machine
         self._writers[f"frames/{CAMERA}"].write(pixels.tobytes(), grabbed, self.clock.now())
         source = SourceInfo("synthetic", "simulated ceiling camera", self.scene.repeats, 30.0)
         self.put(records.source(CAMERA), source)
@@ -274,6 +274,7 @@ STATES: dict[str, Scene] = {
         condition=Condition(rights=False, p99_us=3200.0, reporting=False),
         states={"watch": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")},
     ),
+    "slow": Scene(condition=Condition(camera_rate_hz=9.0)),
     "explained": Scene(
         missing=4,
         reasons=(

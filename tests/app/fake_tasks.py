@@ -58,6 +58,8 @@ class Condition:
     """Tasks that have never spoken."""
     reporting: bool = True
     """Clients report their lags."""
+    camera_rate_hz: float = RATE_HZ
+    """Pictures per second that the camera delivers."""
     notes: dict[str, str] = field(default_factory=dict)
 
 
@@ -87,6 +89,7 @@ def task_info(task: Task, override: TaskOverride, frames: int, condition: Condit
     interval_ms = times.period_ms or FRAME_MS
     response_ms = RESPONSES_MS.get(task.name, 3.0)
     granted = condition.rights or not times.priority
+    rate_hz = 1.0 / times.period_s if times.period_s else condition.camera_rate_hz
     return TaskInfo(
         pid=os.getpid(),
         process=task.process,
@@ -98,7 +101,7 @@ def task_info(task: Task, override: TaskOverride, frames: int, condition: Condit
         missed=2,
         overruns=1 if task.name == "lines" else 0,
         collections=3,
-        rate_hz=0.0 if not times.enabled else 1.0 / times.period_s if times.period_s else RATE_HZ,
+        rate_hz=rate_hz if times.enabled else 0.0,
         response_median_ms=response_ms,
         response_max_ms=2.4 * response_ms,
         interval_mean_ms=interval_ms,

@@ -241,7 +241,7 @@ def test_every_task_is_shown_with_what_it_got_and_how_it_does(
     expect(lines.nth(3)).to_have_text("off")
     expect(lines.nth(0)).to_have_text("lines ✎")
     expect(page.locator("#degraded li")).to_have_text(["task lines is switched off"])
-    expect(page.locator("#verdict")).to_have_text("ready")
+    expect(page.locator("#verdict")).to_have_text("degraded")
     assert watched.complaints == []
     page.close()
 
@@ -251,8 +251,12 @@ def test_every_task_is_shown_with_what_it_got_and_how_it_does(
 def test_what_is_degraded_is_said_and_marked(browser: Browser, server: PageServer, size: dict[str, int]) -> None:
     watched = Watched(browser, server.address, size)
     page = watched.page
-    expect(page.locator("#verdict")).to_have_text("ready")
-    expect(page.locator("#degraded li")).to_have_count(4)
+    expect(page.locator("#verdict")).to_have_text("degraded")
+    expect(page.locator("#verdict")).to_have_class("pill degraded")
+    plain = ["views may be late when this machine is busy", "this machine keeps time badly"]
+    expect(page.locator("#degraded li")).to_have_text([*plain, "a part of the service has been given up"])
+    expect(page.locator("#alarm-details li")).to_have_count(4)
+    expect(page.locator("#alarm-details li").first).to_contain_text("SCHED_FIFO 50, 45, 40, 35 is refused")
     assert page.evaluate("document.querySelector('#degraded').clientHeight") <= 45
     page.locator("#degraded").hover()
     expect(page.locator("#degraded li").last).to_be_in_viewport()
@@ -282,6 +286,17 @@ def test_it_survives_a_restart_of_the_server(browser: Browser, service: FakeServ
     expect(page.locator("#picture-stale")).to_be_hidden()
     page.close()
     second.stop()
+
+
+@pytest.mark.parametrize("service", [STATES["slow"]], indirect=True)
+def test_a_slow_camera_is_shown_as_degraded(browser: Browser, server: PageServer) -> None:
+    watched = Watched(browser, server.address, TABLET)
+    page = watched.page
+    expect(page.locator("#verdict")).to_have_text("degraded", timeout=30_000)
+    expect(page.locator("#degraded li")).to_have_text("the camera delivers 9.0 of 30 pictures a second")
+    expect(page.locator("#alarm-details")).to_be_hidden()
+    assert watched.complaints == []
+    page.close()
 
 
 @pytest.mark.parametrize("service", [STATES["compiling"]], indirect=True)
@@ -321,7 +336,7 @@ def test_the_documentation_needs_no_internet(browser: Browser, server: PageServe
         expect(details.locator("pre")).to_contain_text(told)
     change = page.locator("#operations details", has_text="PATCH")
     change.locator("summary").click()
-    expect(change).to_contain_text("Sent as JSON: Wish")
+    expect(change).to_contain_text("Sent as JSON: Override")
     expect(page.locator("#schemas details", has_text="CameraReport").first).to_be_attached()
     assert watched.complaints == []
     page.close()

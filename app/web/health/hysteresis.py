@@ -29,16 +29,13 @@ class Hysteresis:
 
     def filtered(self, present: Iterable[Degradation], now: Instant) -> tuple[Degradation, ...]:
         """The causes to report: those of the snapshot taken at ``now`` in their order, then those not yet released."""
-        before, self._episodes = self._episodes, {}
+        before = {key: episode for key, episode in self._episodes.items() if _is_current(episode, now)}
+        self._episodes = {}
         for degradation in present:
             episode = before.pop(degradation.key, None)
             self._episodes[degradation.key] = _Episode(episode.since if episode else now, now, degradation)
-        self._episodes |= {key: episode for key, episode in before.items() if _is_current(episode, now)}
+        self._episodes |= before
         return tuple(episode.newest for episode in self._episodes.values() if _has_lasted(episode))
-
-    def forget(self) -> None:
-        """Drop every cause, reported or not."""
-        self._episodes.clear()
 
 
 def _is_current(episode: _Episode, now: Instant) -> bool:

@@ -60,11 +60,10 @@ class HealthMonitor:
     def judge(self, snapshot: ServiceSnapshot) -> Health:
         """The health at the instant of a snapshot. Call it at least twice a second: measured causes have to last."""
         reasons = reasons_not_ready(snapshot)
+        if reasons:  # rates and sightings follow from them; a short gap leaves the causes that were reported before
+            return Health(reasons, tuple(cause for cause in known_degradations(snapshot) if not cause.hold_s))
         with self._lock:
-            if reasons:  # rates and sightings follow from what keeps the service from being ready
-                self._hysteresis.forget()
-            present = known_degradations(snapshot) if reasons else present_degradations(snapshot)
-            return Health(reasons, self._hysteresis.filtered(present, snapshot.now))
+            return Health(reasons, self._hysteresis.filtered(present_degradations(snapshot), snapshot.now))
 
 
 def known_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:

@@ -4,14 +4,19 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
+from app.web.health.frame_path import frame_path
 from vision_core.rtdb import records
+from vision_core.rtdb.task import Task
+from vision_core.timing.running_rate import OVER_S
 
 MS_PER_S = 1e3
 MIN_RATE = 0.9
 """Share of the expected rate below which pictures are missing. Jitter and a dropped picture now and then cost less
 than 1 %; a camera that falls back to its next lower mode delivers 25 of 30 pictures or fewer."""
-RATE_HOLD_S = 6.0
-"""Tasks measure their rates over 5 s, so a gap that is over still lowers them for 5 s."""
+RATE_ERROR_HZ = 2.0 / OVER_S
+"""A rate is a number of runs over the last 5 s; two of them differ by one run each when they are the same."""
+RATE_HOLD_S = OVER_S + 1.0
+"""A gap that is over still lowers a rate for 5 s."""
 MAX_LAG_S = 0.05
 """From the publication of a picture to its last datagram. A robot that drives 2 m/s moves by its radius, 0.1 m, in this
 time; perception and serving together need less than 5 ms on an idle machine."""
@@ -40,20 +45,25 @@ def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
 def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """The first task of the frame's path that runs too rarely: later ones run rarely because of it."""
     expected_hz = _expected_hz(snapshot)
-    measured_hz = _rate_hz(snapshot, "capture")
+    camera, *following = frame_path(snapshot)
+    measured_hz = _rate_hz(snapshot, camera)
     if measured_hz is None:
         return
-    if measured_hz < MIN_RATE * expected_hz:
+    if _is_below(measured_hz, expected_hz):
         delivers = f"the camera delivers {measured_hz:.1f} of {expected_hz:g} pictures a second"
         yield Degradation("camera rate", delivers, hold_s=RATE_HOLD_S)
-    for task in ("perceive", "serve"):
-        period_s = snapshot.task(task).times.period_ms / MS_PER_S
-        wanted_hz = min(measured_hz, 1.0 / period_s) if period_s else measured_hz
+    for task in following:
+        wanted_hz = task.rate_hz(measured_hz)
         rate_hz = _rate_hz(snapshot, task)
-        if rate_hz is not None and rate_hz < MIN_RATE * wanted_hz:
+        if rate_hz is not None and _is_below(rate_hz, wanted_hz):
             used = f"only {rate_hz:.1f} of {wanted_hz:.1f} pictures a second reach the robots"
-            yield Degradation("task rate", used, f"task {task} runs too rarely", RATE_HOLD_S)
+            yield Degradation("task rate", used, f"task {task.name} runs too rarely", RATE_HOLD_S)
             return
+
+
+def _is_below(rate_hz: float, expected_hz: float) -> bool:
+    """Is a measured rate below the accepted share of another, beyond the error of measurement?"""
+    return rate_hz < MIN_RATE * expected_hz - RATE_ERROR_HZ
 
 
 def _expected_hz(snapshot: ServiceSnapshot) -> float:
@@ -65,15 +75,16 @@ def _expected_hz(snapshot: ServiceSnapshot) -> float:
     return source.value.rate_hz if source and source.value.repeats else snapshot.service.settings.camera.rate_hz
 
 
-def _rate_hz(snapshot: ServiceSnapshot, task: str) -> float | None:
+def _rate_hz(snapshot: ServiceSnapshot, task: Task) -> float | None:
     """Runs per second of a task [1/s]; None while it does not report."""
-    timed = snapshot.tasks.get(task)
+    timed = snapshot.tasks.get(task.name)
     return timed.value.rate_hz if timed and timed.valid else None
 
 
 def _lag(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
-    """Perception and serving follow each other, so their response times add up."""
-    reports = [timed for task in ("perceive", "serve") if (timed := snapshot.tasks.get(task)) and timed.valid]
+    """The tasks after the camera's follow each other, so their response times add up."""
+    following = frame_path(snapshot)[1:]
+    reports = [timed for task in following if (timed := snapshot.tasks.get(task.name)) and timed.valid]
     lag_s = sum(timed.value.response_median_ms for timed in reports) / MS_PER_S
     if lag_s > MAX_LAG_S:
         text = (

@@ -5,9 +5,11 @@ because everything after it follows from it.
 """
 
 from app.web.blackboard import ServiceSnapshot
+from app.web.health.frame_path import camera_task, frame_path, image_tasks
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.process_state import ProcessState
+from vision_core.rtdb.task import Task
 
 COMPILER = "compile"
 MIN_PATIENCE_S = 0.25
@@ -85,33 +87,38 @@ def _compiling(process: ProcessInfo) -> str:
 def _silence(snapshot: ServiceSnapshot) -> tuple[str, ...]:
     """The first link of the chain that delivers nothing although every process runs."""
     patience_s = _patience_s(snapshot)
+    _, perceive, serve = frame_path(snapshot)
     if snapshot.frame is None:
-        return (f"no image yet{_note(snapshot, 'source', 'capture')}",)
+        return (f"no image yet{_note(snapshot, *image_tasks(snapshot))}",)
     if snapshot.frame.age_s > patience_s:
-        return (f"the camera's image is {snapshot.frame.age_s:.1f} s old{_note(snapshot, 'source', 'capture')}",)
+        return (f"the camera's image is {snapshot.frame.age_s:.1f} s old{_note(snapshot, *image_tasks(snapshot))}",)
     sightings, serving = snapshot.of(records.sightings), snapshot.of(records.SERVING)
     if sightings is None:
-        return (f"no image has been analyzed yet{_note(snapshot, 'perceive')}",)
+        return (f"no image has been analyzed yet{_note(snapshot, perceive)}",)
     if sightings.age_s > patience_s + MIN_PATIENCE_S:
-        return (f"no image has been analyzed for {sightings.age_s:.1f} s{_note(snapshot, 'perceive')}",)
+        return (f"no image has been analyzed for {sightings.age_s:.1f} s{_note(snapshot, perceive)}",)
     if serving is None:
-        return (f"clients are not served yet{_note(snapshot, 'serve')}",)
+        return (f"clients are not served yet{_note(snapshot, serve)}",)
     if not serving.valid:
-        return (f"clients have not been served for {serving.age_s:.1f} s{_note(snapshot, 'serve')}",)
+        return (f"clients have not been served for {serving.age_s:.1f} s{_note(snapshot, serve)}",)
     return ()
 
 
 def _patience_s(snapshot: ServiceSnapshot) -> float:
     """How old an image may be [s]."""
-    settings, source, capture = snapshot.service.settings, snapshot.of(records.source), snapshot.tasks.get("capture")
+    settings, source, capture = (
+        snapshot.service.settings,
+        snapshot.of(records.source),
+        snapshot.tasks.get(camera_task(snapshot).name),
+    )
     promised_hz = source.value.rate_hz if source else settings.camera.rate_hz
     measured_hz = capture.value.rate_hz if capture and capture.valid else 0.0
     slowed_s = min(PATIENCE_PERIODS / measured_hz, MAX_SLOWED_PATIENCE_S) if measured_hz else 0.0
     return max(MIN_PATIENCE_S, PATIENCE_PERIODS / promised_hz, slowed_s)
 
 
-def _note(snapshot: ServiceSnapshot, *tasks: str) -> str:
+def _note(snapshot: ServiceSnapshot, *tasks: Task) -> str:
     """The note of the first of the tasks that has one, in parentheses."""
-    notes = (snapshot.tasks[task].value.note for task in tasks if task in snapshot.tasks)
+    notes = (snapshot.tasks[task.name].value.note for task in tasks if task.name in snapshot.tasks)
     note = next(filter(None, notes), "")
     return f" ({note})" if note else ""

@@ -1,1 +1,1 @@
-"""The page's WebSocket: ``connection`` (who is open, newest wins) and ``messages`` (what is sent)."""
+"""The page's WebSocket: ``connection`` serves open pages, ``messages`` makes what they are sent."""

@@ -1,7 +1,7 @@
-"""What pages are sent: a message of each topic, made when there is news in it and somebody takes it.
+"""The messages for open pages: one per topic, made when the topic has news and a page has subscribed to it.
 
-Picture, binary and little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the service],
-then a JPEG. State and timing: JSON with a ``topic``, see ``State`` and ``Times``.
+Picture: binary, little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the service],
+then a JPEG. State and timing: JSON with a key ``topic``, see ``State`` and ``Times``.
 """
 
 import asyncio
@@ -30,7 +30,7 @@ PICTURE, TIMING, STATE = "picture", "timing", "state"
 TOPICS = (PICTURE, TIMING, STATE)
 """In the order in which they are sent."""
 MAX_SILENCE_S = 0.25
-"""A state is made after that even when nothing was written, since ages and readiness change by themselves."""
+"""A state is made at least this often, even when no record was written: ages and readiness change by themselves."""
 TIMING_EVERY_S = 0.5
 MAX_WIDTH_PX = 960
 JPEG_QUALITY = 75
@@ -39,32 +39,32 @@ PICTURE_HEADER = struct.Struct("<Id")
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What the page shows beside the picture. Bytes travel as base64."""
+    """What the page shows beside the picture. Bytes are encoded as base64."""
 
     topic: str
     now_s: float
-    """Since the start of the service."""
+    """Time since the start of the service [s]."""
     pages: int
     status: dict[str, object]
     """The same as /api/v1/status."""
     sightings: Timed[Sightings] | None
     outlines_px: list[Points]
-    """In the picture, in the order of the sightings' robots; the first point is where the heading points to."""
+    """Outlines in the picture, in the order of the sightings' robots; the first point is in the heading's direction."""
     obstacles: Timed[Obstacles] | None
-    """As seen in one picture; looked for less often than robots."""
+    """As seen in one picture; they are searched less often than robots."""
     obstacle_outlines_px: list[Points]
-    """In the picture, in the order of ``obstacles``."""
+    """Outlines in the picture, in the order of ``obstacles``."""
     world: Timed[World] | None
     views: Timed[Views] | None
 
 
 @dataclass(frozen=True, slots=True)
 class Times:
-    """How the tasks do."""
+    """How the tasks run."""
 
     topic: str
     now_s: float
-    """Since the start of the service."""
+    """Time since the start of the service [s]."""
     tasks: list[dict[str, object]]
     """The same as /api/v1/tasks."""
     timing: dict[str, object]
@@ -73,15 +73,15 @@ class Times:
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """The newest of a topic."""
+    """The newest message of a topic."""
 
     number: int
-    """Another one for every message of the topic."""
+    """Differs between any two messages of the topic."""
     content: bytes | str
 
 
 class LiveMessages:
-    """Makes messages from the blackboard."""
+    """Makes and keeps the newest message of each topic."""
 
     def __init__(self, blackboard: Blackboard, monitor: HealthMonitor) -> None:
         self._blackboard = blackboard
@@ -94,12 +94,12 @@ class LiveMessages:
         """By topic."""
 
     def forget(self, topics: Collection[str]) -> None:
-        """Nobody takes these topics any more: what was made will be old when somebody does."""
+        """Drop the messages of topics without a subscriber: they would be old for the next one."""
         for topic in topics:
             self.newest.pop(topic, None)
 
     async def make(self, topics: Collection[str], pages: int) -> bool:
-        """Make what there is news for; False when there is none. pages: how many are open."""
+        """Make the messages of the topics that have news; False when none has. pages: number of open pages."""
         fresh = PICTURE in topics and await self._make_picture()
         if STATE in topics and (fresh or self._has_changed() or self._is_due(STATE, MAX_SILENCE_S)):
             self._sequences = self._blackboard.sequences
@@ -122,7 +122,7 @@ class LiveMessages:
         self.newest[topic] = Message(self._made, content)
 
     async def _make_picture(self) -> bool:
-        """Encode the newest image, in a thread, if it is another one."""
+        """Encode the newest image in a thread, if it differs from the last one."""
         before, number = self.newest.get(PICTURE), self._blackboard.picture_number
         if not number or (before is not None and before.number == number):
             return False
@@ -168,6 +168,6 @@ class LiveMessages:
 
 
 def picture_message(picture: Picture, boot: Instant) -> bytes:
-    """The binary message of a picture, small enough for a page."""
+    """The binary message of a picture, reduced to the size of a page."""
     header = PICTURE_HEADER.pack(picture.number & 0xFFFFFFFF, seconds_between(boot, picture.grabbed))
     return header + encode_jpeg(shrink(picture.pixels, MAX_WIDTH_PX), JPEG_QUALITY)

@@ -1,1 +1,1 @@
-"""What stands in front of every route: one file per rule."""
+"""Rules for every request, one module each."""

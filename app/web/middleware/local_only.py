@@ -1,9 +1,9 @@
-"""Who may change something: our own page and programs, on this machine, in JSON, and in few words.
+"""Requests that change something are accepted from this machine only, from our own page or a program, as short JSON.
 
-Reading is open to whoever reaches the page; a change is taken from the server's own machine alone, since nobody has a
-role yet by which a referee could be told from a team. A browser sends a foreign page's request along with its
-``Origin``; what comes as JSON or by another method than POST it sends only after it has asked, which we never allow.
-Both are looked at, for every request that is not for reading.
+Every machine that reaches the page may read. Changes need the server's own machine, because there are no user roles yet
+that distinguish a referee from a team. A browser sends a request of a foreign page with its ``Origin`` header; a
+request with JSON, or by a method other than POST, needs a preflight request first, which is never granted. Origin and
+content type are checked for every request that does not only read.
 """
 
 from http import HTTPStatus
@@ -19,11 +19,11 @@ from app.web.problems import problem_response
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
 JSON = "application/json"
 MAX_BODY = 4096
-"""Of a request [bytes]."""
+"""Largest body of a request [bytes]."""
 
 
-class ChangesGuard:
-    """Middleware that refuses foreign and formless changes."""
+class LocalChangesOnly:
+    """Middleware that refuses changes from other machines and foreign pages, and those that are not short JSON."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -41,34 +41,34 @@ def _changes(scope: Scope) -> bool:
 
 
 def _refusal(headers: Headers, client: tuple[str, int] | None) -> tuple[HTTPStatus, str] | None:
-    """Status and words for a request that may not be obeyed; None for one that may."""
-    if client is None or not _is_ours(client[0]):
-        return HTTPStatus.FORBIDDEN, "changes are taken from the server's own machine only"
-    if "origin" in headers and not _is_plain(headers.get("host", "")):
+    """Status and reason for a request that is refused; None for one that is accepted."""
+    if client is None or not _is_loopback(client[0]):
+        return HTTPStatus.FORBIDDEN, "changes are accepted from the server's own machine only"
+    if "origin" in headers and not _is_local_name(headers.get("host", "")):
         return HTTPStatus.FORBIDDEN, f"a page at {headers.get('host')} may not change anything; accepted: localhost"
     if not is_same_origin(headers.get("origin"), headers.get("host")):
         return HTTPStatus.FORBIDDEN, f"a page of {headers['origin']} may not change anything here"
     if "transfer-encoding" in headers:
-        return HTTPStatus.LENGTH_REQUIRED, "say how long the request is"
+        return HTTPStatus.LENGTH_REQUIRED, "the request has no Content-Length"
     length = headers.get("content-length", "0")
     if not length.isdecimal() or int(length) > MAX_BODY:
-        return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"at most {MAX_BODY} bytes are read"
+        return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the request is longer than {MAX_BODY} bytes"
     kind = headers.get("content-type", "").partition(";")[0].strip().lower()
     if length != "0" and kind != JSON:
-        return HTTPStatus.FORBIDDEN, f"content type {kind or 'of no name'}; accepted: {JSON}"
+        return HTTPStatus.FORBIDDEN, f"content type {kind or 'is missing'}; accepted: {JSON}"
     return None
 
 
-def _is_ours(host: str) -> bool:
-    """Is it an address of the loopback?"""
+def _is_loopback(host: str) -> bool:
+    """Is it an address of this machine's loopback interface?"""
     try:
         return ip_address(host).is_loopback
     except ValueError:
         return False
 
 
-def _is_plain(host: str) -> bool:
-    """An address, or localhost: another name may lead here while its page is somebody else's (DNS rebinding)."""
+def _is_local_name(host: str) -> bool:
+    """Is it an IP address or localhost? Another name may resolve to this machine for a foreign page (DNS rebinding)."""
     name = host.rpartition(":")[0] or host
     try:
         return name == "localhost" or bool(ip_address(name.strip("[]")))

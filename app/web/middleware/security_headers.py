@@ -1,4 +1,4 @@
-"""What keeps foreign pages away: headers on every answer, and a look at who opens a WebSocket."""
+"""Protection against foreign pages: headers on every answer, and a check of the origin of WebSockets."""
 
 from urllib.parse import urlsplit
 
@@ -32,10 +32,10 @@ class SecurityHeaders:
 
 
 def is_same_origin(origin: str | None, host: str | None) -> bool:
-    """May a WebSocket be opened? A browser names the page's origin, and only our own may; programs name none."""
+    """Does a request come from our own page, or from a program? Browsers send the page's origin, programs send none."""
     if origin is None:
         return True
     try:
         return host is not None and urlsplit(origin).netloc.lower() == host.lower()
-    except ValueError:  # no address at all
+    except ValueError:  # not a valid address
         return False

@@ -1,6 +1,7 @@
 """One camera, and what is seen in its newest image."""
 
 from app.web.blackboard import ServiceSnapshot
+from app.web.health.frame_path import camera_task
 from app.web.reports.checks import Checks, checks_from
 from vision_core.rtdb import records
 
@@ -33,7 +34,7 @@ class CameraReport(Checks):
 
 def camera_from(snapshot: ServiceSnapshot) -> CameraReport:
     """The camera of the service."""
-    camera, capture = snapshot.service.settings.camera, snapshot.tasks.get("capture")
+    camera, capture = snapshot.service.settings.camera, snapshot.tasks.get(camera_task(snapshot).name)
     sightings = snapshot.recent(records.sightings)
     obstacles = snapshot.recent(records.obstacles)
     diagnosis = snapshot.recent(records.diagnosis)

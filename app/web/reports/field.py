@@ -20,22 +20,23 @@ from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
 
 MM_PER_M = 1000.0
 STEPS = 24
-"""Pieces of a line or outline in the picture, where lenses bend them; a multiple of 8, for a square's corners."""
+"""Straight pieces by which a line or an outline is drawn in the picture, where lenses bend it; a multiple of 8, so that
+a square's corners are among its points."""
 
 Points = list[tuple[float, float]]
 
 
 class FieldSegment(Report):
-    """A straight piece of what makes edges [m]."""
+    """A straight edge that robots can see: a wall, a goal, a line or a limit of the field [m]."""
 
     x1_m: float
     y1_m: float
     x2_m: float
     y2_m: float
     kind: int
-    """A code of ``kinds``."""
+    """What the edge is: a code of ``kinds``."""
     solid: bool
-    """Solid things hide what is behind them; virtual limits are edges but hide nothing."""
+    """true: it hides what is behind it, like a wall; false: it hides nothing, like a line."""
 
 
 class FieldArc(Report):
@@ -52,13 +53,13 @@ class RobotBody(Report):
     """The outline of a team's robots."""
 
     outline: Literal["circle", "square"]
-    """A square is turned by the heading; where that is not known, the circle in it is meant."""
+    """A square turns with the heading; while the heading is unknown, its inscribed circle is drawn."""
     radius_m: float
-    """Of the circle, or half the side of the square."""
+    """Radius of the circle, or half the side of the square [m]."""
 
 
 class Field(Report):
-    """Everything about the field that stays the same while the service runs.
+    """The field's geometry, which stays the same while the service runs.
 
     Field space: origin at the field's center, x along its length, y along its width, z up [m].
     """
@@ -69,21 +70,21 @@ class Field(Report):
     line_width_m: float
     segments: list[FieldSegment]
     lines: list[tuple[float, float, float, float]]
-    """Painted lines: x1, y1, x2, y2 of their middles [m]."""
+    """Painted lines: x1, y1, x2, y2 of their center lines [m]."""
     arcs: list[FieldArc]
     robots: dict[str, RobotBody]
     """By team."""
     ball_radius_m: float
     numbers: int
-    """Robots per team that may connect."""
+    """Robots that may connect, per team."""
     marker_ids: dict[str, list[int]]
-    """By team: the marker that number 1, 2, ... wears."""
+    """By team: the marker id of robot number 1, 2, ..."""
     kinds: dict[str, int]
-    """What an edge can be; a robot's code is its team's plus its number, 0 for one without."""
+    """Codes of edges; the code of a robot is that of its team plus its number, plus 0 while the number is unknown."""
     mirror_m: list[float | None]
-    """Distance on the floor of 0, 1, 2, ... mirror pixels [m]; null beyond the horizon."""
+    """Distance on the floor at 0, 1, 2, ... pixels from the mirror's center [m]; null beyond the horizon."""
     painted_px: list[list[tuple[float, float]]]
-    """The painted lines and arcs as the camera model sees them in the picture [px]."""
+    """Painted lines and arcs, projected into the picture by the camera model [px]."""
 
 
 def field_from(service: ServiceInfo) -> Field:
@@ -126,23 +127,23 @@ class Outlines:
         self._unit = {"circle": circle, "square": circle / np.abs(circle).max(axis=1, keepdims=True)}
 
     def of_robots(self, robots: Sequence[RobotSighting]) -> list[Points]:
-        """Per robot STEPS points [px], the first one where its heading points to."""
+        """Outlines of robots: STEPS points each [px], the first in the direction of the heading."""
         return self._seen([self._body(robot) for robot in robots], [self._robots[r.team].height_m for r in robots])
 
     def of_obstacles(self, obstacles: Sequence[ObstacleSighting]) -> list[Points]:
-        """Per obstacle STEPS points [px]."""
+        """Outlines of obstacles: STEPS points each [px]."""
         circle = self._unit["circle"]
         return self._seen([(o.x_m, o.y_m) + o.radius_m * circle for o in obstacles], [0.0] * len(obstacles))
 
     def _body(self, robot: RobotSighting) -> Floats:
-        """Points round a robot [m], shape (STEPS, 2)."""
+        """Points of a robot's outline [m], shape (STEPS, 2)."""
         body = self._robots[robot.team]
         unit = self._unit["circle" if robot.heading_rad is None else body.outline]
         points: Floats = (robot.x_m, robot.y_m) + body.radius_m * unit @ rotation(robot.heading_rad or 0.0).T
         return points
 
     def _seen(self, outlines_m: list[Floats], heights_m: list[float]) -> list[Points]:
-        """Outlines at their heights, all in one go."""
+        """Outlines at their heights, projected by one call."""
         if not outlines_m:
             return []
         points = _in_picture(self._camera, np.concatenate(outlines_m), np.repeat(heights_m, STEPS))
@@ -155,7 +156,7 @@ def _body(settings: Settings, team: Team) -> RobotBody:
 
 
 def _in_picture(camera: CameraModel, points_m: Floats, height_m: float | Floats = 0.0) -> Points:
-    """Points of the field in the picture, to a tenth of a pixel; nan where no camera sees."""
+    """Points of the field in the picture, rounded to 0.1 px; nan where the camera cannot see them."""
     return [(x, y) for x, y in np.round(camera.pixel_from_field(points_m, height_m), 1).tolist()]
 
 

@@ -1,4 +1,4 @@
-"""What ``/api/v1/tasks`` tells about every task of the table."""
+"""How each task of the task table runs, and how it is overridden."""
 
 from dataclasses import fields
 from typing import Any
@@ -16,17 +16,17 @@ from vision_core.settings.schema import TaskTimes
 MAX_PERIOD_MS = 3.6e6
 
 
-class Wish(Report):
-    """How somebody wants a task to run; null: as the table has it."""
+class Override(Report):
+    """Values that replace those of the settings while the service runs; null: the value of the settings."""
 
     model_config = ConfigDict(strict=True, allow_inf_nan=False)
 
     enabled: bool | None = None
-    """Switched on or off."""
+    """false: the task does not run."""
     period_ms: float | None = Field(default=None, ge=0.0, le=MAX_PERIOD_MS)
-    """0: with every writing of its trigger."""
+    """Shortest time between two runs [ms]; 0: a run each time that its trigger is written."""
     priority: int | None = Field(default=None, ge=0, le=HIGHEST_PRIORITY)
-    """SCHED_FIFO; 0: an ordinary process."""
+    """SCHED_FIFO priority; 0: an ordinary process."""
 
     @model_validator(mode="before")
     @classmethod
@@ -37,71 +37,74 @@ class Wish(Report):
         return data
 
     @staticmethod
-    def of(proposal: TaskOverride) -> "Wish":
-        """A proposal, as it is told."""
-        return Wish(enabled=proposal.enabled, period_ms=proposal.period_ms, priority=proposal.priority)
+    def of(override: TaskOverride) -> "Override":
+        """The report of an override."""
+        return Override(enabled=override.enabled, period_ms=override.period_ms, priority=override.priority)
 
 
-class Task(Report):
-    """One task, as it says itself; what it has never said is null."""
+class TaskReport(Report):
+    """One task as it reports itself; null for what it has not reported yet."""
 
     name: str
     process: str
-    """Tasks that share a process take turns in it, the highest priority first."""
+    """Its process. Tasks that share one run one after the other, the highest priority first."""
     enabled: bool
+    """false: switched off."""
     trigger: str | None = None
-    """driver, period, none (a loop of its own), or the record whose writing releases it."""
+    """What starts a run: driver, period, none (the task has a loop of its own), or the record whose writing does."""
     period_ms: float
-    """In effect; 0: with every writing of its trigger."""
+    """Shortest time between two runs [ms]; 0: a run each time that its trigger is written."""
     offset_ms: float
-    """Of the period's grid."""
+    """Shift of its runs on the common time grid [ms]."""
     priority: int
-    """Asked for: SCHED_FIFO, 0 for an ordinary process."""
+    """SCHED_FIFO priority that it asks for; 0: an ordinary process."""
     budget_ms: float
-    """A longer run counts as an overrun; 0: none is counted."""
+    """A run that takes longer counts as an overrun [ms]; 0: none is counted."""
     policy: str | None = None
-    """What it has got: "FIFO 45", "nice -10" or "ordinary"."""
+    """Scheduling policy that it was granted: "FIFO 45", "nice -10" or "ordinary"."""
     refused: str | None = None
-    """Why that is not what was asked for; empty when it is."""
+    """Why it was granted less than it asked for; empty when it was granted all."""
     runs: int | None = None
-    """Since its start, as the next three."""
+    """Runs since its start."""
     missed: int | None = None
-    """Releases that passed without a run."""
+    """Triggers since its start that were followed by no run."""
     overruns: int | None = None
-    """Runs longer than the budget."""
+    """Runs since its start that took longer than the budget."""
     collections: int | None = None
-    """Of garbage, all between two runs."""
+    """Garbage collections since its start, all of them between two runs."""
     rate_hz: float | None = None
-    """Of late, as all that follows."""
+    """Runs per second over the last 5 s [1/s]."""
     response_median_ms: float | None = None
-    """From a release to its result."""
+    """From the trigger to the end of the run, over the last half second [ms]."""
     response_max_ms: float | None = None
     interval_mean_ms: float | None = None
-    """Between the beginnings of two runs."""
+    """Between the beginnings of two runs, over the last 256 runs [ms]."""
     interval_sd_ms: float | None = None
-    """Its standard deviation: the jitter."""
+    """Standard deviation of these intervals [ms]: the jitter."""
     note: str = ""
-    """What a person should know."""
+    """What the task reports in words: an error, or what it waits for."""
     age_s: float | None = None
-    """Since it last spoke; null: it never did."""
+    """Time since its newest report [s]; null: it has not reported yet."""
     valid: bool = False
-    """It has spoken lately enough to be believed."""
-    proposed: Wish | None = None
-    """What somebody wants of it; null: nothing but what the table says."""
+    """Its newest report is recent enough to be believed."""
+    proposed: Override | None = None
+    """The override in effect; null: it runs as the settings have it."""
 
 
-REPORTED = tuple(entry.name for entry in fields(TaskInfo) if entry.name in Task.model_fields)
+REPORTED = tuple(entry.name for entry in fields(TaskInfo) if entry.name in TaskReport.model_fields)
 """Fields that a task's record and its report have in common, beside those of its times."""
 
 
-def task_from(snapshot: ServiceSnapshot, name: str) -> Task:
-    """The report of one task. Raises KeyError for one that is not on the table."""
+def task_from(snapshot: ServiceSnapshot, name: str) -> TaskReport:
+    """The report of one task. Raises KeyError for a task that is not in the task table."""
     line, timed, override = snapshot.task(name), snapshot.tasks.get(name), snapshot.overrides.get(name)
-    proposed = Wish.of(override) if override is not None else None
+    proposed = Override.of(override) if override is not None else None
     if timed is None:
-        return Task(name=name, process=line.process, trigger=line.trigger, proposed=proposed, **_times(line.times))
+        return TaskReport(
+            name=name, process=line.process, trigger=line.trigger, proposed=proposed, **_times(line.times)
+        )
     reported = {key: getattr(timed.value, key) for key in REPORTED}
-    return Task(
+    return TaskReport(
         name=name,
         age_s=timed.age_s,
         valid=timed.valid,
@@ -112,10 +115,10 @@ def task_from(snapshot: ServiceSnapshot, name: str) -> Task:
     )
 
 
-def tasks_from(snapshot: ServiceSnapshot) -> list[Task]:
-    """The reports of all tasks, in the table's order."""
+def tasks_from(snapshot: ServiceSnapshot) -> list[TaskReport]:
+    """The reports of all tasks, in the order of the task table."""
     return [task_from(snapshot, name) for name in snapshot.task_names]
 
 
 def _times(times: TaskTimes) -> dict[str, Any]:
-    return {name: value for name, value in asdict(times).items() if name in Task.model_fields}
+    return {name: value for name, value in asdict(times).items() if name in TaskReport.model_fields}

@@ -1,7 +1,7 @@
-"""What ``/api/v1/timing`` and the topic ``timing`` tell: histograms of every task's times, and of the lags.
+"""Histograms of the times of every task, and of the lags.
 
-Counts begin with the process that counts and never go down while it lives: the difference of two answers is the
-histogram of the time in between. Quantiles are of all that was counted.
+Counts begin at the start of the process that counts and only grow while it runs: the difference of two answers is the
+histogram of the time between them. Quantiles are over everything counted since the start.
 """
 
 from collections.abc import Mapping
@@ -16,58 +16,60 @@ from vision_core.timing.histogram import EDGES_S, Counts, quantile_s
 
 MS_PER_S = 1e3
 DIGITS = 6
-"""Of milliseconds: nanoseconds."""
+"""Decimals of milliseconds: nanoseconds."""
 UPPER_MS = np.round(EDGES_S[1:] * MS_PER_S, DIGITS)
 
 
 class Histogram(Report):
-    """Durations."""
+    """A histogram of durations; quantiles are null without durations."""
 
     unit: Literal["ms"] = "ms"
     count: int
+    """Number of durations."""
     p50: float | None
-    """Half of all durations are shorter; null for none."""
+    """Median."""
     p90: float | None
     p99: float | None
     p99_9: float | None
     max: float | None
-    """End of the bin that holds the longest; bins are 3 % wide."""
+    """Upper end of the bin with the longest duration; bins are 3 % wide."""
     bins: list[tuple[float, int]]
-    """Where a bin ends [ms], and how many durations it holds; those that hold none are left out."""
+    """Upper end [ms] and count of each bin that is not empty."""
 
 
 class TaskTiming(Report):
-    """The times of one task since its start."""
+    """The times of one task since the start of its process."""
 
     name: str
     age_s: float
-    """Since it last wrote them."""
+    """Time since it last wrote them [s]."""
     valid: bool
-    """It has written them lately enough to be believed."""
+    """They are recent enough to be believed."""
     lateness: Histogram
-    """From a release to the beginning of the run."""
+    """From the trigger to the beginning of the run."""
     execution: Histogram
     """From the beginning to the end of the run."""
     response: Histogram
-    """From a release to the end of its run."""
+    """From the trigger to the end of the run."""
     interval: Histogram
     """Between the beginnings of two runs."""
 
 
 class LagTiming(Report):
-    """The three parts of the lag between what happens and what a robot's program makes of it."""
+    """The three parts of the lag from an event on the field to the robot program's reaction."""
 
     server: Histogram | None
     """A: from the grab of an image to the last client's datagram; null before the first."""
     network: Histogram | None
-    """B: from the server to the client, as far as clients report it; null without reports."""
+    """B: from the server to the client, over the clients that report it; null without reports."""
     client: Histogram | None
-    """C: until the client's program has used it, as far as clients report it; null without reports."""
+    """C: until the client's program has used the view, over the clients that report it; null without reports."""
     shutter_delay_ms: float
-    """From the shutter to the grab, as configured; it comes before everything else."""
+    """From the shutter to the grab, as configured [ms]; it comes before A."""
     age_s: float | None
-    """Since they were last written; null: never."""
+    """Time since they were last written [s]; null: never."""
     valid: bool
+    """They are recent enough to be believed."""
 
 
 class Timing(Report):
@@ -79,7 +81,7 @@ class Timing(Report):
 
 
 def timing_from(timings: Timings, shutter_delay_ms: float) -> Timing:
-    """The report of what was counted."""
+    """The report of all histograms."""
     return Timing(
         tasks=[_task(name, timed) for name, timed in timings.tasks.items()],
         lags=_lags(timings.lags, shutter_delay_ms),
@@ -99,11 +101,11 @@ def _task(name: str, timed: Timed[Mapping[str, Counts]]) -> TaskTiming:
 
 
 def _lags(timed: Timed[Mapping[str, Counts]] | None, shutter_delay_ms: float) -> LagTiming:
-    told = {name: histogram_from(counts) for name, counts in timed.value.items() if counts.any()} if timed else {}
+    counted = {name: histogram_from(counts) for name, counts in timed.value.items() if counts.any()} if timed else {}
     return LagTiming(
-        server=told.get("server"),
-        network=told.get("network"),
-        client=told.get("client"),
+        server=counted.get("server"),
+        network=counted.get("network"),
+        client=counted.get("client"),
         shutter_delay_ms=shutter_delay_ms,
         age_s=timed.age_s if timed else None,
         valid=timed is not None and timed.valid,

@@ -1,1 +1,1 @@
-"""The routes, one file per subject; each gets what it needs as an argument."""
+"""The HTTP routes: one module per subject, each with a function that makes its router from what it needs."""

@@ -1,4 +1,4 @@
-"""The page and its static files; they need no build."""
+"""The page and its static files, served as they are in the repository."""
 
 from functools import cache
 from pathlib import Path
@@ -12,7 +12,7 @@ import app
 
 @cache
 def web_folder() -> Path:
-    """The page's files: inside the wheel, or beside the package in a checkout."""
+    """The folder of the page's files: inside the installed package, or beside it in a checkout."""
     assert app.__file__ is not None
     package = Path(app.__file__).parent
     inside = package / "web" / "static"
@@ -20,7 +20,7 @@ def web_folder() -> Path:
 
 
 def page_routes() -> APIRouter:
-    """``/`` and ``/docs``."""
+    """The page at ``/`` and the API's documentation at ``/docs``."""
     router = APIRouter(include_in_schema=False)
 
     @router.get("/")
@@ -39,5 +39,5 @@ def page_routes() -> APIRouter:
 
 
 def static_files() -> StaticFiles:
-    """Everything that the pages load."""
+    """Scripts, style sheets and images of the pages."""
     return StaticFiles(directory=web_folder())

@@ -1,4 +1,4 @@
-"""``/api/v1/tasks``: what runs, and how it is slowed, re-prioritized and switched off while it runs."""
+"""``/api/v1/tasks``: lists tasks, and slows, re-prioritizes or switches them off while the service runs."""
 
 from http import HTTPStatus
 from typing import Any
@@ -6,57 +6,57 @@ from typing import Any
 from fastapi import APIRouter
 
 from app.web.blackboard import Blackboard
-from app.web.overrides import Proposals
-from app.web.problems import MEDIA_TYPE, Problem, RequestRefused
+from app.web.overrides import TaskOverrides
+from app.web.problems import MEDIA_TYPE, ProblemDetails, RequestRefused
 from app.web.reports.base import Report
-from app.web.reports.tasks import Task, Wish, task_from, tasks_from
+from app.web.reports.tasks import Override, TaskReport, task_from, tasks_from
 
-PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": Problem.model_json_schema()}}}
+PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}}}
 REFUSALS: dict[int | str, dict[str, Any]] = {
-    403: PROBLEM | {"description": "From another machine, a foreign page, or no JSON"},
+    403: PROBLEM | {"description": "The request comes from another machine or a foreign page, or is not JSON"},
     404: PROBLEM | {"description": "No task of this name"},
-    409: PROBLEM | {"description": "The task has a loop of its own"},
-    422: PROBLEM | {"description": "An unknown key, an impossible rate, or a priority that there is not"},
+    409: PROBLEM | {"description": "The task runs a loop of its own and cannot be changed"},
+    422: PROBLEM | {"description": "An unknown key, a rate that is impossible, or a priority out of range"},
 }
 
 
 class Change(Report):
-    """A task that somebody wants to run in another way."""
+    """A change of a task's override."""
 
-    task: Task
-    """Its ``proposed`` is what is wanted now; the rest follows in a moment, when the task has obeyed."""
-    before: Wish
-    """What was wanted before: sent in a PATCH it undoes the change."""
+    task: TaskReport
+    """The task with its new override in ``proposed``; its other fields follow when the task has applied it."""
+    before: Override
+    """The override before the change; sent in a PATCH, it undoes the change."""
 
 
-def task_routes(blackboard: Blackboard, proposals: Proposals) -> APIRouter:
-    """List, change, undo."""
+def task_routes(blackboard: Blackboard, overrides: TaskOverrides) -> APIRouter:
+    """Listing tasks, changing one, undoing the change."""
     router = APIRouter(prefix="/api/v1/tasks", tags=["tasks"])
 
     @router.get("")
-    async def tasks() -> list[Task]:
-        """Every task of the table: when it runs, what it has got, how it does."""
+    async def tasks() -> list[TaskReport]:
+        """Every task of the task table: what starts it, its granted priority, its rate and response times."""
         return tasks_from(blackboard.read())
 
     @router.patch("/{name}", responses=REFUSALS)
-    async def change(name: str, wish: Wish) -> Change:
-        """Switch a task on or off, slow it, give it another priority: only keys that are sent change, null is the
-        table's value. The wish outlives a restart of any process, not of the service."""
-        before = _wanted(name)
-        proposals.change(name, wish)
+    async def change(name: str, request: Override) -> Change:
+        """Switches a task on or off, slows it, or gives it another priority. Only the keys that are sent change; null
+        stands for the value of the settings. The override lasts until the service ends, whatever process restarts."""
+        before = _override(name)
+        overrides.change(name, request)
         return Change(task=task_from(blackboard.read(), name), before=before)
 
     @router.delete("/{name}", responses=REFUSALS)
     async def undo(name: str) -> Change:
-        """Let a task run as the table has it again."""
-        before = _wanted(name)
-        proposals.withdraw(name)
+        """Lets a task run as the settings have it again."""
+        before = _override(name)
+        overrides.withdraw(name)
         return Change(task=task_from(blackboard.read(), name), before=before)
 
-    def _wanted(name: str) -> Wish:
+    def _override(name: str) -> Override:
         if name not in blackboard.task_names:
             names = ", ".join(blackboard.task_names)
             raise RequestRefused(HTTPStatus.NOT_FOUND, "a task", found=name, accepted=names)
-        return Wish.of(proposals.wanted(name))
+        return Override.of(overrides.of(name))
 
     return router

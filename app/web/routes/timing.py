@@ -1,6 +1,6 @@
-"""``/api/v1/timing`` for people and pages, ``/metrics`` for Prometheus: the same histograms.
+"""``/api/v1/timing`` for pages and programs, ``/metrics`` for Prometheus: the same histograms.
 
-Writing them for Prometheus takes tens of milliseconds: in a thread, since pages are served meanwhile.
+Writing the text for Prometheus takes tens of milliseconds, so it runs in a thread and delays no page.
 """
 
 from fastapi import APIRouter, Request, Response
@@ -15,7 +15,7 @@ from app.web.reports.timing import Timing, timing_from
 
 
 def timing_routes(blackboard: Blackboard, monitor: HealthMonitor, live: Live) -> APIRouter:
-    """Histograms of every task's times and of the lags."""
+    """Histograms of the tasks' times and of the lags."""
     router = APIRouter(tags=["timing"])
     registry = CollectorRegistry()
     registry.register(ServiceCollector(blackboard, monitor, live))
@@ -23,7 +23,7 @@ def timing_routes(blackboard: Blackboard, monitor: HealthMonitor, live: Live) ->
 
     @router.get("/api/v1/timing")
     async def timing() -> Timing:
-        """Histograms and quantiles since the start: of every task's times, and of the lags A, B and C."""
+        """Histograms and quantiles of the times of every task, and of the lags A, B and C, since the start."""
         return timing_from(blackboard.timings(), shutter_delay_ms)
 
     @router.get(
@@ -32,7 +32,7 @@ def timing_routes(blackboard: Blackboard, monitor: HealthMonitor, live: Live) ->
         responses={200: {"content": {"text/plain": {}}, "description": "Prometheus' text format, or OpenMetrics"}},
     )
     def metrics(request: Request) -> Response:
-        """Everything that can be counted, for Prometheus; tasks that are silent are left out."""
+        """Metrics for Prometheus; tasks that do not report are left out."""
         encode, kind = choose_encoder(request.headers.get("accept", ""))
         return Response(encode(registry), headers={"content-type": kind})
 

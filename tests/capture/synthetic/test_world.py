@@ -105,7 +105,7 @@ def test_any_number_of_robots_plays(count: int) -> None:
 
 
 def test_feet_walk_beside_the_field() -> None:
-    settings, _, scenes = match(600, synthetic__feet=6)
+    settings, _, scenes = match(600, synthetic__walking_people=6)
     feet = np.array([scene.feet for scene in scenes])
     half_x, half_y = accepted_half_extent(settings.field)
     assert ((np.abs(feet[..., 0]) > half_x) | (np.abs(feet[..., 1]) > half_y)).all()

@@ -48,11 +48,3 @@ def test_the_newest_numbers_are_reported_in_the_order_of_the_snapshot() -> None:
     reported(hysteresis, 0.0, DISCRETE, MEASURED)
     newest = Degradation("rate", "slower", hold_s=2.0)
     assert reported(hysteresis, 2.0, newest, DISCRETE) == ["slower", "switched off"]
-
-
-def test_what_is_forgotten_has_to_last_anew() -> None:
-    hysteresis = Hysteresis()
-    for at_s in (0.0, 2.0):
-        reported(hysteresis, at_s, MEASURED)
-    hysteresis.forget()
-    assert reported(hysteresis, 2.1, MEASURED) == []

@@ -31,6 +31,8 @@ def test_a_slow_camera_degrades_the_service_when_it_lasts(well: ServiceSnapshot)
     monitor = HealthMonitor()
     slow = replace(well, tasks={"capture": task_report("capture", rate_hz=9.0)})
     assert monitor.judge(slow).state is HealthState.READY
+    for at_s in (2.0, 4.0):
+        assert monitor.judge(later(slow, at_s)).state is HealthState.READY
     health = monitor.judge(later(slow, RATE_HOLD_S))
     assert (health.state, health.is_ready) == (HealthState.DEGRADED, True)
     assert health.sentences == ["the camera delivers 9.0 of 30 pictures a second"]
@@ -45,3 +47,13 @@ def test_what_follows_from_not_being_ready_is_not_listed(well: ServiceSnapshot) 
     assert (health.state, health.reasons) == (HealthState.NOT_READY, ("process serve is disabled",))
     assert [cause.key for cause in health.degradations] == ["process watch disabled"]
     assert monitor.judge(later(slow, 2 * RATE_HOLD_S)).state is HealthState.READY, "the rate has to last anew"
+
+
+def test_a_short_gap_leaves_what_was_reported(well: ServiceSnapshot) -> None:
+    monitor = HealthMonitor()
+    slow = replace(well, tasks={"capture": task_report("capture", rate_hz=9.0)})
+    for at_s in (0.0, 2.0, 4.0, RATE_HOLD_S):
+        monitor.judge(later(slow, at_s))
+    gap = replace(slow, frame=None)
+    assert monitor.judge(later(gap, RATE_HOLD_S + 1.0)).state is HealthState.NOT_READY
+    assert monitor.judge(later(slow, RATE_HOLD_S + 2.0)).state is HealthState.DEGRADED

@@ -8,6 +8,7 @@ from app.web.blackboard import ServiceSnapshot
 from app.web.health.rates import MAX_LAG_S, MIN_RATE, rate_degradations
 from tests.app.fake_snapshot import serving_snapshot, task_report, timed, with_records
 from vision_core.rtdb.infos import SourceInfo
+from vision_core.tasks.table import task_table
 from vision_core.venues.loader import load_settings
 
 PATH = ("capture", "perceive", "serve")
@@ -77,9 +78,16 @@ def test_the_first_task_that_skips_pictures_is_named(
     ]
 
 
+def test_a_slow_source_is_measured_to_one_run_in_five_seconds(well: ServiceSnapshot) -> None:
+    counted = with_rates(played(well, 0.5), capture=0.6, perceive=0.4, serve=0.4)
+    assert all("pictures a second" not in sentence for sentence in sentences(counted))
+
+
 def test_a_task_that_the_venue_slows_is_no_cause(well: ServiceSnapshot) -> None:
     venue = load_settings(options={"tasks.serve.period_ms": 100.0})
-    slowed = replace(with_rates(well, serve=10.0), service=replace(well.service, settings=venue))
+    slowed = replace(
+        with_rates(well, serve=10.0), service=replace(well.service, settings=venue, tasks=task_table(venue))
+    )
     assert sentences(slowed) == []
     assert len(sentences(with_rates(slowed, serve=5.0))) == 1
 

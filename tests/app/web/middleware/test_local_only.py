@@ -1,4 +1,4 @@
-"""Changes are taken from this machine, from our own page, in JSON."""
+"""Changes are accepted from this machine, from our own page, in JSON."""
 
 from http import HTTPStatus
 
@@ -24,7 +24,7 @@ def test_this_machine_may_change(host: str) -> None:
 
 @pytest.mark.parametrize("client", [("192.168.1.7", 5), ("fe80::1", 5), ("somewhere", 5), None])
 def test_no_other_machine_may(client: tuple[str, int] | None) -> None:
-    assert refused(client) == "changes are taken from the server's own machine only"
+    assert refused(client) == "changes are accepted from the server's own machine only"
 
 
 def test_a_page_may_when_it_is_ours() -> None:
