@@ -1,4 +1,4 @@
-"""Looking at a service from outside: both ends of the control socket."""
+"""Both sides of the control socket."""
 
 import contextlib
 import json
@@ -26,7 +26,7 @@ NAME = f"pslv/test-control-{os.getpid()}"
 CLOCK = MonotonicClock()
 
 
-class Served:
+class ControlThread:
     """A control socket over a block of memory, in a thread."""
 
     def __init__(self) -> None:
@@ -65,9 +65,9 @@ class Served:
 
 
 @pytest.fixture
-def served(monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
+def served(monkeypatch: pytest.MonkeyPatch) -> Iterator[ControlThread]:
     monkeypatch.setattr(server, "PATIENCE_S", 0.2)
-    service = Served()
+    service = ControlThread()
     yield service
     service.close()
 
@@ -88,7 +88,7 @@ def heard(peer: socket.socket) -> bytes:
     return text
 
 
-def test_what_is_written_is_read_by_several_who_look(served: Served) -> None:
+def test_several_readers_read_what_is_written(served: ControlThread) -> None:
     first, second = attach_to(NAME), attach_to(NAME)
     served.store.writer("other").write(b"value", CLOCK.now(), CLOCK.now())
     for attached in (first, second):
@@ -100,7 +100,7 @@ def test_what_is_written_is_read_by_several_who_look(served: Served) -> None:
         attached.close()
 
 
-def test_who_looks_cannot_write(served: Served) -> None:
+def test_a_reader_cannot_write(served: ControlThread) -> None:
     attached = attach_to(NAME)
     with pytest.raises(ValueError, match="'one': the block is mapped read-only"):
         attached.store.writer("one")
@@ -113,7 +113,7 @@ def test_who_looks_cannot_write(served: Served) -> None:
     os.close(descriptors[0])
 
 
-def test_who_looks_notices_the_end_of_the_service() -> None:
+def test_a_reader_notices_the_end_of_the_service() -> None:
     block = create_block(SPECS)
     with subprocess.Popen(["sleep", "60"]) as supervisor:
         attached = Attached(NAME, Store(SPECS, block), supervisor.pid, Instant(7))
@@ -126,14 +126,14 @@ def test_who_looks_notices_the_end_of_the_service() -> None:
 
 
 @pytest.mark.parametrize("said", [b"\n", b"{}\n", b"null\n", b"\xff\0\x01\n", b"[" * 2000 + b"\n", b'{"do": 1}\n'])
-def test_garbage_is_answered_and_hurts_nobody(served: Served, said: bytes) -> None:
+def test_garbage_is_answered_and_does_no_harm(served: ControlThread, said: bytes) -> None:
     with connected() as peer:
         peer.sendall(said)
         assert json.loads(heard(peer)) == {"error": "no such request", "accepted": "attach"}
     attach_to(NAME).close()
 
 
-def test_an_endless_line_is_cut_off(served: Served) -> None:
+def test_an_endless_line_is_cut_off(served: ControlThread) -> None:
     with connected() as peer:
         with contextlib.suppress(OSError):
             peer.sendall(b"x" * 100_000)
@@ -142,7 +142,7 @@ def test_an_endless_line_is_cut_off(served: Served) -> None:
     assert served.asked == [{"do": "attach"}]
 
 
-def test_who_says_nothing_is_hung_up_on_and_others_get_their_turn(served: Served) -> None:
+def test_a_silent_connection_is_closed_and_others_get_their_turn(served: ControlThread) -> None:
     silent = [connected() for _ in range(server.MAX_CONNECTIONS + 2)]
     attach_to(NAME).close()
     for peer in silent:
@@ -150,24 +150,24 @@ def test_who_says_nothing_is_hung_up_on_and_others_get_their_turn(served: Served
         peer.close()
 
 
-def test_who_leaves_early_hurts_nobody(served: Served) -> None:
+def test_a_connection_that_is_closed_early_does_no_harm(served: ControlThread) -> None:
     for said in (b"", b'{"do"', b'{"do": "attach"}\n'):
         with connected() as peer:
             peer.sendall(said)
     attach_to(NAME).close()
 
 
-def test_a_refusal_says_what_was_asked_and_what_is_accepted(served: Served) -> None:
+def test_a_refusal_says_what_was_asked_and_what_is_accepted(served: ControlThread) -> None:
     with pytest.raises(ServiceError, match="restart web at service .*; found: no such request; accepted: attach"):
         restart(NAME, "web")
 
 
-def test_a_service_that_does_not_run_is_named_with_those_that_do(served: Served) -> None:
+def test_a_service_that_does_not_run_is_named_with_those_that_do(served: ControlThread) -> None:
     with pytest.raises(ServiceError, match=f"attach at service pslv/none; found: .*refused; accepted: .*{NAME}"):
         attach_to("pslv/none")
 
 
-def test_only_services_that_answer_are_listed(served: Served) -> None:
+def test_only_services_that_answer_are_listed(served: ControlThread) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as mute:
         mute.bind(f"\0{NAME}-mute")
         mute.listen(0)
@@ -176,13 +176,13 @@ def test_only_services_that_answer_are_listed(served: Served) -> None:
         assert f"{NAME}-mute" not in running_services()
 
 
-def test_a_name_is_taken_once(served: Served) -> None:
+def test_a_name_is_taken_once(served: ControlThread) -> None:
     with pytest.raises(ServiceError, match=f"{NAME}; found: Address already in use"):
         server.ControlSocket(NAME, served.answer)
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may be somebody else")
-def test_another_user_is_not_answered(served: Served) -> None:
+def test_another_user_is_not_answered(served: ControlThread) -> None:
     script = (
         "import os, socket, sys\n"
         "os.setuid(65534)\n"

@@ -1,4 +1,4 @@
-"""Who may connect."""
+"""Addresses that may connect."""
 
 import pytest
 

@@ -229,7 +229,7 @@ def test_one_socket_with_several_robots_names_the_one_whose_mirror_it_asks_for()
     ]
 
 
-def test_nobody_else_is_told_a_mirror() -> None:
+def test_other_addresses_are_not_told_a_mirror() -> None:
     server = Server()
     opened(server)
     assert server.answers(b"(mirror)", OTHER) == [b"(error not_connected)"]

@@ -11,7 +11,7 @@ A ``Connection`` then turns each ``see`` into a ``View`` of arrays; it skips vie
 ``latest`` returns the newest. It keeps the session alive; when the server was restarted it asks again, and iteration
 goes on. Once a second it reports its share of the lag: from a view's arrival to the program's next call. Silence is
 normal when the camera does not see the robot: ``receive`` then returns None and raises nothing. Distances in
-millimetres depend on the mirror: without one that is given or told, ``connect`` raises and does not guess.
+millimetres depend on the mirror: ``connect`` raises if it is neither given nor told by the server.
 
 It needs NumPy and the standard library only, on any system. Files: ``connection``, ``view``, ``lag``, and ``__main__``,
 the command ``python -m vision_core.client``.

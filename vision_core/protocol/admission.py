@@ -1,4 +1,4 @@
-"""Who may connect: the server's own machine, and the addresses and subnets of the configuration."""
+"""Addresses that may connect: those of the server's own computer, and those that the settings list."""
 
 import ipaddress
 from collections.abc import Iterable
