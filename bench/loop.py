@@ -1,10 +1,14 @@
-"""The whole loop, pixels to sent datagrams, against the reference segmentation of the same frames alone.
+"""Duration of the whole pipeline for one frame, from pixels to sent datagrams.
 
-Distinct frames of a simulated match (the output says how many), rendered beforehand and looped: each is perceived
-(windows round what was there, scan band, whole frame when something is missing), tracked, seen from every robot,
-written for every client and sent over loopback, one socket per client, in one process and thread, as the service's two
-processes do it one after the other. The reference, and its twin in C, take turns with the loop in blocks of frames:
-each is measured at its own pace, as in a process of its own, and all of them during the same minutes.
+Distinct frames of a simulated match, rendered beforehand and looped; the table says how many. In one process and thread
+each frame is perceived (windows around known objects, scan band, the whole picture when something is missing), tracked,
+rendered as every robot's view, encoded for every client and sent over loopback through one socket per client. The
+service does the same in two processes, one after the other.
+
+Measured [us]: median duration of a frame, and of each stage. Baseline: the reference segmentation of the same frames
+alone, in Python and in C; a ratio below 1 means that the whole pipeline takes less time than that one stage of a
+classical system. Pipeline and baselines take turns in blocks of frames. At 1280x1024 with 22 robots the sustained rate
+is given too [frames per second], the clients' receiving included.
 """
 
 import contextlib

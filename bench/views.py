@@ -74,7 +74,7 @@ def _measure(size: int) -> list[Row]:
     took, *of_twin = _in_turns(ways, ROUNDS)
     (old,) = _in_turns([_one_by_one(messages, tables, clients)], ROUNDS_OF_OLD)
     name = f"edges and text of {2 * size} robots"
-    against = {"name": f"{name}, twin in C", "baseline": of_twin[0], "ratio": took / of_twin[0]} if of_twin else {}
+    against = {"name": f"{name}, baseline in C", "baseline": of_twin[0], "ratio": took / of_twin[0]} if of_twin else {}
     return [
         {
             "name": f"{name} ({word})",
@@ -85,7 +85,7 @@ def _measure(size: int) -> list[Row]:
             **against,
         },
         {
-            "name": f"{name}, each by the protocol's own module",
+            "name": f"{name}, baseline the reference implementation in Python",
             "value": took,
             "unit": "us",
             "baseline": old,
