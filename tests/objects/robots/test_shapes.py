@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vision_core.geometry import Floats, rotation
@@ -36,6 +36,7 @@ def turned(points: Floats, angle: float) -> Floats:
 
 
 @pytest.mark.parametrize("name", ["t-plate", "mirosot-diagonal", "vsss-corner-patch"])
+@settings(deadline=None)
 @given(angle=ANGLES)
 def test_a_turn_is_read_back(name: str, angle: float) -> None:
     drawn = shape_from(POINTS[name])
@@ -45,6 +46,7 @@ def test_a_turn_is_read_back(name: str, angle: float) -> None:
     assert other < 0.75
 
 
+@settings(deadline=None)
 @given(angle=ANGLES)
 def test_a_rectangle_tells_its_axis_only_and_a_circle_nothing(angle: float) -> None:
     bar = shape_from(POINTS["vsss-three-patch"])
