@@ -11,6 +11,7 @@ import numpy as np
 
 from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.catalog import CatalogReader, Snapshot
 from vision_core.rtdb.infos import LAGS, TIMINGS, ServiceInfo, TaskInfo, TaskOverride
@@ -51,6 +52,7 @@ class ServiceSnapshot:
     now: Instant
     service: ServiceInfo
     """What stays the same while the service runs, its settings among it."""
+    camera: CameraSetup
     frame: FrameStamp | None
     """The newest image; None before the first."""
     values: Snapshot
@@ -96,10 +98,9 @@ class Blackboard:
     def __init__(self, store: Store) -> None:
         self._clock = MonotonicClock()
         self.service = records.SERVICE.reader(store).value(self._clock.now())
-        camera = self.service.settings.camera
-        self._shape = (camera.height_px, camera.width_px, 3)
-        self._frames = store.reader(f"frames/{camera.name}")
-        self._catalog = CatalogReader(store, camera.name)
+        self.camera = CameraSetup.from_settings(self.service.settings)
+        self._frames = store.reader(f"frames/{self.camera.name}")
+        self._catalog = CatalogReader(store, self.camera.name)
         self.task_names = tuple(name.removeprefix(TASK_PREFIX) for name in store.specs if name.startswith(TASK_PREFIX))
         self._tasks = {name: records.task(name).reader(store) for name in self.task_names}
         self._timings = {name: store.reader(records.timing(name).name) for name in self.task_names}
@@ -117,6 +118,7 @@ class Blackboard:
         return ServiceSnapshot(
             now=now,
             service=self.service,
+            camera=self.camera,
             frame=_stamp_of(frame, now) if frame is not None else None,
             values=self._catalog.read(now),
             task_names=self.task_names,
@@ -140,7 +142,7 @@ class Blackboard:
                 continue
             pixels = np.frombuffer(view.payload, dtype=np.uint8).copy()
             if self._frames.is_unchanged(view):
-                return Picture(view.sequence, view.measured, pixels.reshape(self._shape))
+                return Picture(view.sequence, view.measured, pixels.reshape(self.camera.shape))
         return None
 
     @property

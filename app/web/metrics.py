@@ -79,7 +79,7 @@ def _service(snapshot: ServiceSnapshot, health: Health) -> Iterator[Metric]:
     yield GaugeMetricFamily("pslv_degradations", "Causes of worse service, as /readyz lists them", value=causes)
     images = snapshot.frame.number if snapshot.frame else 0
     yield CounterMetricFamily("pslv_frames", "Images since the start of the service", value=images)
-    delay_s = service.settings.camera.shutter_delay_ms / 1e3
+    delay_s = snapshot.camera.shutter_delay_ms / 1e3
     yield GaugeMetricFamily("pslv_shutter_delay_seconds", "From the shutter to the grab, as configured", value=delay_s)
 
 

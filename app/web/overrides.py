@@ -13,6 +13,7 @@ from msgspec import structs
 from app.web.problems import RequestRefused
 from app.web.reports.tasks import Override
 from vision_core.clock import MonotonicClock
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProposedSettings, ServiceInfo, TaskOverride
 from vision_core.rtdb.store import Store
@@ -24,7 +25,7 @@ class TaskOverrides:
     """The overrides of all tasks, kept in the database."""
 
     def __init__(self, store: Store, service: ServiceInfo) -> None:
-        self._rate_hz = service.settings.camera.rate_hz
+        self._rate_hz = CameraSetup.from_settings(service.settings).rate_hz
         self._table = {task.name: task for task in service.tasks}
         self._clock = MonotonicClock()
         self._writer = records.PROPOSED.writer(store)

@@ -25,7 +25,7 @@ def image_tasks(snapshot: ServiceSnapshot) -> tuple[Task, ...]:
 
 
 def _from_frames(snapshot: ServiceSnapshot) -> Iterator[Task]:
-    record = f"frames/{snapshot.service.settings.camera.name}"
+    record = f"frames/{snapshot.camera.name}"
     task = next(task for task in snapshot.service.tasks if record in task.writes)
     yield task
     trigger: tuple[str, ...] = (record,)

@@ -35,7 +35,7 @@ def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     """A source whose pictures are farther apart than robots are remembered."""
     validity_s = snapshot.service.settings.tracks.validity_ms / MS_PER_S
     source = snapshot.of(records.source)
-    rate_hz = source.value.rate_hz if source else snapshot.service.settings.camera.rate_hz
+    rate_hz = source.value.rate_hz if source else snapshot.camera.rate_hz
     if rate_hz * validity_s < 1.0:
         delivers = f"the source delivers a picture every {1.0 / rate_hz:.3g} s"
         forgotten = f"robots are forgotten after {validity_s:g} s between two pictures"
@@ -72,7 +72,7 @@ def _expected_hz(snapshot: ServiceSnapshot) -> float:
     A recording is played at its own rate; a camera has to deliver the rate that the venue configures.
     """
     source = snapshot.of(records.source)
-    return source.value.rate_hz if source and source.value.repeats else snapshot.service.settings.camera.rate_hz
+    return source.value.rate_hz if source and source.value.repeats else snapshot.camera.rate_hz
 
 
 def _rate_hz(snapshot: ServiceSnapshot, task: Task) -> float | None:

@@ -106,12 +106,8 @@ def _silence(snapshot: ServiceSnapshot) -> tuple[str, ...]:
 
 def _patience_s(snapshot: ServiceSnapshot) -> float:
     """How old an image may be [s]."""
-    settings, source, capture = (
-        snapshot.service.settings,
-        snapshot.of(records.source),
-        snapshot.tasks.get(camera_task(snapshot).name),
-    )
-    promised_hz = source.value.rate_hz if source else settings.camera.rate_hz
+    source, capture = snapshot.of(records.source), snapshot.tasks.get(camera_task(snapshot).name)
+    promised_hz = source.value.rate_hz if source else snapshot.camera.rate_hz
     measured_hz = capture.value.rate_hz if capture and capture.valid else 0.0
     slowed_s = min(PATIENCE_PERIODS / measured_hz, MAX_SLOWED_PATIENCE_S) if measured_hz else 0.0
     return max(MIN_PATIENCE_S, PATIENCE_PERIODS / promised_hz, slowed_s)

@@ -157,7 +157,7 @@ class LiveMessages:
 
     def _encoded_times(self) -> str:
         snapshot = self._blackboard.read()
-        timing = timing_from(self._blackboard.timings(), snapshot.service.settings.camera.shutter_delay_ms)
+        timing = timing_from(self._blackboard.timings(), snapshot.camera.shutter_delay_ms)
         times = Times(
             topic=TIMING,
             now_s=seconds_between(snapshot.service.boot, snapshot.now),

@@ -34,14 +34,14 @@ class CameraReport(Checks):
 
 def camera_from(snapshot: ServiceSnapshot) -> CameraReport:
     """The camera of the service."""
-    camera, capture = snapshot.service.settings.camera, snapshot.tasks.get(camera_task(snapshot).name)
+    camera, capture = snapshot.camera, snapshot.tasks.get(camera_task(snapshot).name)
     sightings = snapshot.recent(records.sightings)
     obstacles = snapshot.recent(records.obstacles)
     diagnosis = snapshot.recent(records.diagnosis)
     return CameraReport(
         name=camera.name,
-        width_px=camera.width_px,
-        height_px=camera.height_px,
+        width_px=camera.size_px[0],
+        height_px=camera.size_px[1],
         shutter_delay_ms=camera.shutter_delay_ms,
         rate_hz=camera.rate_hz,
         measured_rate_hz=capture.value.rate_hz if capture and capture.valid else None,

@@ -85,7 +85,7 @@ def lags_from(snapshot: ServiceSnapshot) -> Lags:
         else None,
         network=_summary(client.network_ms for client in clients),
         client=_summary(client.client_ms for client in clients),
-        shutter_delay_ms=snapshot.service.settings.camera.shutter_delay_ms,
+        shutter_delay_ms=snapshot.camera.shutter_delay_ms,
     )
 
 

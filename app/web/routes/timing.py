@@ -19,7 +19,7 @@ def timing_routes(blackboard: Blackboard, monitor: HealthMonitor, live: Live) ->
     router = APIRouter(tags=["timing"])
     registry = CollectorRegistry()
     registry.register(ServiceCollector(blackboard, monitor, live))
-    shutter_delay_ms = blackboard.service.settings.camera.shutter_delay_ms
+    shutter_delay_ms = blackboard.camera.shutter_delay_ms
 
     @router.get("/api/v1/timing")
     async def timing() -> Timing:
