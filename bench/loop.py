@@ -25,13 +25,13 @@ from bench.segmentation import Scene as SegmentScene
 from bench.segmentation import c_reference_of
 from bench.segmenters import ReferenceSegmenter
 from vision_core.capture.source import open_source
-from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
+from vision_core.clock import NS_PER_S, US_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.net.delivery import DeliveryTable, new_rows
 from vision_core.net.udp import SessionSocket
 from vision_core.pipeline.perception import Perception
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS
 from vision_core.settings.schema import Settings
@@ -47,7 +47,6 @@ ROUNDS, BLOCK, WARM = 4, 40, 5
 SUSTAINED = ("1280x1024", 22)
 SUSTAINED_HZ = 500.0
 PERIOD_NS = NS_PER_S // 30
-US_PER_S = 1e6
 STAGES = ("perceive", "track", "write", "send")
 
 
@@ -78,7 +77,7 @@ class Loop:
         self._clock = MonotonicClock()
         self.perception = Perception(settings, CameraSetup.from_settings(settings))
         self._tracker = Tracker(settings.tracks, settings.robots)
-        self._messages = Messages(settings, Instant(0))
+        self._encoder = ViewEncoder(settings, Instant(0))
         numbers = range(1, settings.match.numbers + 1)
         self._clients = tuple(Client(Init(team, number)) for team in Team for number in numbers)
         self._sockets = [_client(stack) for _ in self._clients]
@@ -103,7 +102,7 @@ class Loop:
         perceived = time.perf_counter()
         world = self._tracker.update(seen)
         tracked = time.perf_counter()
-        batch = self._messages.write(world, self._clients, self._deliveries.due(at))
+        batch = self._encoder.write(world, self._clients, self._deliveries.due(at))
         written = time.perf_counter()
         self._deliveries.send(at, batch)
         return began, perceived, tracked, written, time.perf_counter()
@@ -143,7 +142,7 @@ def _client(stack: contextlib.ExitStack) -> socket.socket:
 def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     camera, table = loop.settings.camera, loop.perception.table
     reference = ReferenceSegmenter(camera.width_px, camera.height_px, loop.settings.blobs)
-    prefilter = loop.perception.eyes.prefilter
+    prefilter = loop.perception.context.prefilter
     twin, _ = c_reference_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
     ways: dict[str, Callable[[int], object]] = {"reference": lambda frame: reference.segment(loop.frames[frame], table)}
     if twin is not None:

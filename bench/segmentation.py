@@ -26,7 +26,7 @@ from vision_core.blobs.row_scan import min_height_px
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
-from vision_core.clock import MonotonicClock
+from vision_core.clock import US_PER_S, MonotonicClock
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.color.prefilter import prefilter_from
 from vision_core.geometry import Bytes
@@ -61,7 +61,6 @@ SIZES: dict[str, dict[str, Any]] = {
 GOALS = {"640x480": 0.35, "1280x1024": 0.20, "2048x1536": 0.12}
 REFERENCE, IN_C, MEMCPY = "reference", "reference in C", "memcpy"
 WHOLE, WINDOWS = "row scan, whole picture", "row scan, windows and scan band"
-US_PER_S = 1e6
 
 Boxes = NDArray[np.int32]
 Method = Callable[[int], int]

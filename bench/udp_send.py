@@ -16,7 +16,7 @@ import numpy as np
 
 from bench.baselines.build import load_library
 from bench.runner import Row
-from vision_core.clock import Instant
+from vision_core.clock import US_PER_S, Instant
 from vision_core.net.delivery import Batch, DeliveryTable, new_rows
 from vision_core.net.udp import SessionSocket
 
@@ -24,7 +24,6 @@ CLIENTS = (22, 200)
 ROUNDS = 400
 DATAGRAM = b"(see 20306.148 ((edge) " + b"w2c" * 360 + b") ((ball) 61 121 3))"
 GOAL_RATIO = 1.05
-US_PER_S = 1e6
 
 
 def run() -> list[Row]:

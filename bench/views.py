@@ -17,19 +17,19 @@ from msgspec.structs import replace
 
 from bench.baselines.build import load_library
 from bench.runner import Row
-from vision_core.clock import NS_PER_S, Instant
+from vision_core.clock import NS_PER_S, US_PER_S, Instant
 from vision_core.geometry import Bytes
 from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import SLOT
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.messages import Init
-from vision_core.protocol.see import see_from_view
+from vision_core.protocol.see import reference_see
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, RobotTrack, World
 from vision_core.venues.loader import load_settings
-from vision_core.views.renderer import Place
+from vision_core.views.renderer import StaticScene
 
 TEAM_SIZES = (5, 11)
 WORLDS = 40
@@ -37,13 +37,12 @@ ROUNDS = 1500
 ROUNDS_OF_OLD = 20
 GOAL_RATIO = 1.3
 BOOT = Instant(0)
-US_PER_S = 1e6
 
-BODY = np.dtype(
+OUTLINE = np.dtype(
     [(name, np.float64) for name in ("x", "y", "heading", "cosine", "sine")]
     + [("kind", np.int32), ("viewer", np.int32)]
 )
-PLACE = np.dtype(
+SCENE = np.dtype(
     [(name, np.float64) for name in ("a", "b", "c", "d", "radius", "ball_radius", "limit_x", "limit_y")]
     + [("segments", np.int64), ("solid", np.int64)]
 )
@@ -66,13 +65,13 @@ def _measure(size: int) -> list[Row]:
     settings = _settings(size)
     tables = [WorldTable.of(_world(np.random.default_rng(seed), settings, size)) for seed in range(WORLDS)]
     clients = tuple(Client(Init(team, number)) for team in Team for number in range(1, size + 1))
-    messages = Messages(settings, BOOT)
-    ways: list[Callable[[int], object]] = [lambda number: messages.write(tables[number % WORLDS], clients)]
-    twin, word = _twin(messages, tables, clients, settings)
+    encoder = ViewEncoder(settings, BOOT)
+    ways: list[Callable[[int], object]] = [lambda number: encoder.write(tables[number % WORLDS], clients)]
+    twin, word = _twin(encoder, tables, clients, settings)
     if twin is not None:
         ways.append(twin)
     took, *of_twin = _in_turns(ways, ROUNDS)
-    (old,) = _in_turns([_one_by_one(messages, tables, clients)], ROUNDS_OF_OLD)
+    (old,) = _in_turns([_one_by_one(encoder, tables, clients)], ROUNDS_OF_OLD)
     name = f"edges and text of {2 * size} robots"
     against = {"name": f"{name}, baseline in C", "baseline": of_twin[0], "ratio": took / of_twin[0]} if of_twin else {}
     return [
@@ -121,44 +120,44 @@ def _world(rng: np.random.Generator, settings: Settings, size: int) -> World:
     return World(1, Instant(20_306 * NS_PER_S + int(rng.integers(NS_PER_S))), tuple(robots), ball, ())
 
 
-def _one_by_one(messages: Messages, tables: list[WorldTable], clients: tuple[Client, ...]) -> Callable[[int], object]:
+def _one_by_one(encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[Client, ...]) -> Callable[[int], object]:
     """View after view as a record, datagram after datagram by the protocol's own module."""
 
     def write(number: int) -> list[bytes]:
         world, sent = tables[number % WORLDS], []
-        messages.eyes.look(world)
+        encoder.renderer.render(world)
         for client in clients:
-            view = messages.eyes.view(world, client.init.team, client.init.number)
+            view = encoder.renderer.view(world, client.init.team, client.init.number)
             assert view is not None
-            sent.append(see_from_view(view, client.init.options, messages.mirror, messages.letters, BOOT))
+            sent.append(reference_see(view, client.init.options, encoder.mirror, encoder.codes, BOOT))
         return sent
 
     return write
 
 
 def _twin(
-    messages: Messages, tables: list[WorldTable], clients: tuple[Client, ...], settings: Settings
+    encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[Client, ...], settings: Settings
 ) -> tuple[Callable[[int], object] | None, str]:
     """The twin's call for the world of a round, checked byte for byte; or None, and why there is none."""
     library, word = load_library("views", "-fno-math-errno")
     if library is None:
         return None, word
-    place = messages.eyes.place
+    scene = encoder.renderer.scene
     count = len(clients)
     page = np.zeros((count, 2, 360), dtype=np.uint8)
     slots = np.zeros(count * SLOT, dtype=np.uint8)
     starts, lengths = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
     fixed = [
-        _place_of(place, messages, settings), place.segments_m, place.segment_kinds, place.ray_x, place.ray_y,
-        messages.ink.hex_words, np.ascontiguousarray(messages.ink.letters[0]), page, slots, starts, lengths,
+        _scene_row(scene, encoder, settings), scene.segments_m, scene.segment_kinds, scene.ray_x, scene.ray_y,
+        encoder.text.hex_words, np.ascontiguousarray(encoder.text.edge_codes[0]), page, slots, starts, lengths,
     ]  # fmt: skip
     calls = []
     for table in tables:
-        bodies, ball = _bodies_of(table, place), np.array([table.balls[0]["x_m"], table.balls[0]["y_m"]])
-        fixed += [bodies, ball]
+        outlines, ball = _outlines_of(table, scene), np.array([table.balls[0]["x_m"], table.balls[0]["y_m"]])
+        fixed += [outlines, ball]
         calls.append(
             (
-                _address(bodies),
+                _address(outlines),
                 ctypes.c_int64(count),
                 _address(ball),
                 ctypes.c_int64(int(table.whole[0]["at"])),
@@ -166,31 +165,31 @@ def _twin(
             )
         )
     for table, call in zip(tables, calls, strict=True):
-        library.write_messages(*call)
-        mine = messages.write(table, clients)
+        library.encode_views(*call)
+        mine = encoder.write(table, clients)
         for row in range(count):
             assert bytes(mine.datagram(row)) == bytes(Batch(slots, starts, lengths).datagram(row))
-    return lambda number: (library.write_messages(*calls[number % len(calls)]), fixed)[0], word
+    return lambda number: (library.encode_views(*calls[number % len(calls)]), fixed)[0], word
 
 
 def _address(array: "np.ndarray[Any, Any]") -> ctypes.c_void_p:
     return ctypes.c_void_p(array.ctypes.data)
 
 
-def _bodies_of(table: WorldTable, place: Place) -> "np.ndarray[Any, Any]":
+def _outlines_of(table: WorldTable, scene: StaticScene) -> "np.ndarray[Any, Any]":
     robots = table.robots[: table.counts[0]]
-    bodies = np.zeros(len(robots), dtype=BODY)
-    bodies["x"], bodies["y"], bodies["heading"] = robots["x_m"], robots["y_m"], robots["heading_rad"]
-    kinds: Bytes = place.kind_of_id[robots["team"], robots["id"] + 1]
-    bodies["kind"], bodies["viewer"] = kinds, place.viewer_of_id[robots["team"], robots["id"]]
-    return bodies
+    outlines = np.zeros(len(robots), dtype=OUTLINE)
+    outlines["x"], outlines["y"], outlines["heading"] = robots["x_m"], robots["y_m"], robots["heading_rad"]
+    kinds: Bytes = scene.kind_of_id[robots["team"], robots["id"] + 1]
+    outlines["kind"], outlines["viewer"] = kinds, scene.viewer_of_id[robots["team"], robots["id"]]
+    return outlines
 
 
-def _place_of(place: Place, messages: Messages, settings: Settings) -> "np.ndarray[Any, Any]":
-    mirror = messages.mirror
-    row = np.zeros(1, dtype=PLACE)
+def _scene_row(scene: StaticScene, encoder: ViewEncoder, settings: Settings) -> "np.ndarray[Any, Any]":
+    mirror = encoder.mirror
+    row = np.zeros(1, dtype=SCENE)
     row[0] = (
         mirror.a, mirror.b, mirror.c, mirror.a**2 - mirror.b**2 * mirror.c, settings.robots.radius_m,
-        settings.ball.radius_m, *place.limit_m, len(place.segments_m), place.solid,
+        settings.ball.radius_m, *scene.limit_m, len(scene.segments_m), scene.solid,
     )  # fmt: skip
     return row

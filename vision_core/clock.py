@@ -1,7 +1,7 @@
 """Time is a type: instants are integers of CLOCK_MONOTONIC nanoseconds, durations are seconds.
 
-The clock is passed in, so that a test or a recording brings its own. Wall-clock time never
-enters the core: it steps, CLOCK_MONOTONIC does not. All processes of one machine share it.
+The clock is an argument, so that a test or a recording brings its own. Wall-clock time never enters the core:
+it steps, CLOCK_MONOTONIC does not. All processes of one machine share it.
 """
 
 import time
@@ -20,7 +20,7 @@ MS_PER_S = 1_000
 
 
 class Clock(Protocol):
-    """Tells the present instant."""
+    """Has the present instant."""
 
     def now(self) -> Instant: ...
 
@@ -34,7 +34,7 @@ class MonotonicClock:
 
 @dataclass(slots=True)
 class ManualClock:
-    """A clock that stands until it is moved, for tests and replays."""
+    """A clock that stands still until it is moved, for tests and replays."""
 
     instant: Instant = Instant(0)
 

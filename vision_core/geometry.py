@@ -1,5 +1,8 @@
-"""Plane geometry shared by all stages. Field space: origin at the field's center, x along its
-length, y along its width, angles anticlockwise from x; metres and radians."""
+"""Plane geometry, and the types of arrays.
+
+Field space: origin at the field's center, x along its length, y along its width, angles anticlockwise from x; metres
+and radians.
+"""
 
 import math
 from typing import Any, TypeAlias, TypeVar
@@ -14,17 +17,17 @@ Array = TypeVar("Array", bound=NDArray[Any])
 
 
 def wrap_angle(angle_rad: float) -> float:
-    """The same angle in [-pi, pi) [rad]."""
+    """The same angle in [-pi, pi) [rad]. In kernels: ``native.angles.wrap_angle``."""
     return (angle_rad + math.pi) % (2.0 * math.pi) - math.pi
 
 
 def rotation(angle_rad: float) -> Floats:
-    """The 2x2 matrix that turns column vectors anticlockwise by an angle [rad]."""
+    """The matrix, shape (2, 2), that turns column vectors anticlockwise by an angle [rad]."""
     c, s = math.cos(angle_rad), math.sin(angle_rad)
     return np.array([[c, -s], [s, c]])
 
 
 def frozen(array: Array) -> Array:
-    """The same array, read-only: records hand out no array that can be changed."""
+    """The same array, made read-only: the arrays of a record never change."""
     array.setflags(write=False)
     return array

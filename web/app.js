@@ -1,6 +1,6 @@
 // The page: one live connection, everything is drawn from its newest update.
 
-import { counted, robotLabel, setText } from "./drawing.js";
+import { counted, fillLegend, robotLabel, setText } from "./drawing.js";
 import { drawField, obstacleAt, robotAt } from "./field.js";
 import { connect } from "./live.js";
 import { drawPicture } from "./picture.js";
@@ -79,6 +79,7 @@ async function loadField() {
     const fresh = await (await fetch("/api/v1/field")).json();
     if (JSON.stringify(fresh) === JSON.stringify(field)) return;
     field = fresh;
+    fillLegend($("legend"), field);
     tiles = makeTiles($("views"), field, toggle);
     draw();
   } catch {

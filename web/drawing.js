@@ -2,7 +2,9 @@
 
 const style = getComputedStyle(document.documentElement);
 const colors = new Map();
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => colors.clear());
+const darkTheme = matchMedia("(prefers-color-scheme: dark)");
+const UNDEFINED_COLOR = "#ff00ff"; // of a code that the server's table lacks: loud, so that it is noticed
+darkTheme.addEventListener("change", () => colors.clear());
 
 /** A color of the style sheet by name. */
 export function color(name) {
@@ -48,14 +50,33 @@ export function robotLabel(field, team, id) {
   return number ? `${letter}${number}` : `${letter}#${id}`;
 }
 
-/** What an edge's code stands for: its color, a label to write beside it, and how thick it is. */
-export function edgeLook(kinds, code) {
-  if (code >= kinds.robot_yellow) return { color: color("yellow"), label: `Y${code - kinds.robot_yellow || "?"}`, width: 3.5 };
-  if (code >= kinds.robot_blue) return { color: color("blue"), label: `B${code - kinds.robot_blue || "?"}`, width: 3.5 };
-  if (code === kinds.goal_blue) return { color: color("blue"), label: "G", width: 3 };
-  if (code === kinds.goal_yellow) return { color: color("yellow"), label: "G", width: 3 };
-  if (code === kinds.unknown) return { color: color("unknown"), label: "?", width: 3.5 };
-  return { color: color("wall"), label: "", width: 1.6 };
+/** How an edge's code is drawn, by the server's table of edge types: color, a label to write beside it, thickness. */
+export function edgeLook(field, code) {
+  const type = Object.values(field.edge_types).find((one) => code >= one.code && code <= one.code + one.numbers);
+  if (!type) return { color: UNDEFINED_COLOR, label: `code ${code}`, width: 3.5 };
+  const number = type.numbers ? code - type.code || "?" : "";
+  const { matches } = darkTheme;
+  return { color: matches ? type.on_dark : type.on_light, label: `${type.label}${number}`, width: type.label ? 3.5 : 1.6 };
+}
+
+/** Fill the legend of the views: one entry per word of the server's table, then the ball. */
+export function fillLegend(list, field) {
+  const words = new Map();
+  for (const type of Object.values(field.edge_types)) if (type.legend) words.set(type.legend, [...(words.get(type.legend) ?? []), type]);
+  const entries = [...words].map(([word, types]) => {
+    const entry = document.createElement("li");
+    const [{ label, numbers, on_light, on_dark }] = types;
+    entry.textContent = `${label}${numbers ? 1 : ""} ${word}`.trim();
+    entry.title = types.map(({ meaning }) => meaning).join("; ");
+    entry.className = types.length > 1 ? "shared" : label ? "labeled" : "";
+    entry.style.setProperty("--on-light", on_light);
+    entry.style.setProperty("--on-dark", on_dark);
+    return entry;
+  });
+  const ball = document.createElement("li");
+  ball.className = "ball";
+  ball.textContent = "ball";
+  list.replaceChildren(...entries, ball);
 }
 
 /** 1 robot, 2 robots. */

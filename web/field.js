@@ -113,14 +113,14 @@ function drawSeenArea(pen, map, seen, own) {
 function drawSeenEdges(pen, map, field, seen) {
   const count = seen.near.length;
   for (const { code, start, length } of seen.runs) {
-    if (code === field.kinds.nothing) continue;
-    const look = edgeLook(field.kinds, code);
+    if (code === field.edge_types.nothing.code) continue;
+    const look = edgeLook(field, code);
     pen.beginPath();
     for (let step = 0; step < length; step += 1) pen.lineTo(...map.at(...seen.near[(start + step) % count]));
     for (let step = length - 1; step >= 0; step -= 1) pen.lineTo(...map.at(...seen.far[(start + step) % count]));
     pen.closePath();
-    pen.globalAlpha = code === field.kinds.wall ? 0.22 : 0.6;
-    pen.fillStyle = code === field.kinds.wall ? "#ffffff" : look.color;
+    pen.globalAlpha = code === field.edge_types.wall.code ? 0.22 : 0.6;
+    pen.fillStyle = code === field.edge_types.wall.code ? "#ffffff" : look.color;
     pen.fill();
   }
   pen.globalAlpha = 1;
@@ -144,8 +144,7 @@ function drawPaint(pen, map, field) {
 
 function drawSegments(pen, map, field) {
   for (const segment of field.segments) {
-    const goal = segment.kind === field.kinds.goal_blue ? "#4f8dff" : "#ffd23f";
-    pen.strokeStyle = segment.kind === field.kinds.wall ? "#11181499" : goal;
+    pen.strokeStyle = segment.kind === field.edge_types.wall.code ? "#11181499" : edgeLook(field, segment.kind).color;
     pen.lineWidth = segment.solid ? 4 : 1.5;
     pen.setLineDash(segment.solid ? [] : [6, 5]);
     pen.beginPath();

@@ -83,7 +83,7 @@ function drawDial(pen, width, height, field, view) {
   pen.fillStyle = color("seen");
   pen.fill();
   drawRings(pen, rings, scale);
-  const runs = runsOf(codes).filter(({ code }) => code !== field.kinds.nothing);
+  const runs = runsOf(codes).filter(({ code }) => code !== field.edge_types.nothing.code);
   for (const run of runs) drawRun(pen, field, run, px.length, place, radius);
   const ball = view.ball_px < 0 ? null : place(view.ball_direction_deg, view.ball_px * scale);
   drawLabels(pen, field, runs, px.length, place, radius, ball);
@@ -114,7 +114,7 @@ function drawRings(pen, rings, scale) {
 }
 
 function drawRun(pen, field, run, count, place, radius) {
-  const look = edgeLook(field.kinds, run.code);
+  const look = edgeLook(field, run.code);
   pen.strokeStyle = look.color;
   pen.lineWidth = look.width;
   pen.lineJoin = "round";
@@ -137,7 +137,7 @@ function drawLabels(pen, field, runs, count, place, radius, ball) {
   pen.textAlign = "center";
   pen.textBaseline = "middle";
   for (const run of [...runs].sort((one, other) => other.length - one.length)) {
-    const look = edgeLook(field.kinds, run.code);
+    const look = edgeLook(field, run.code);
     if (!look.label || run.length < MIN_LABELLED_DEG) continue;
     const middle = run.start + run.length / 2;
     const [x, y] = place(middle, radius(Math.floor(middle) % count) - LABEL_INSET_PX);

@@ -1,4 +1,4 @@
-/* Twin of vision_core.pipeline.view_encoder.write_messages for robots that are circles and clients with the paper's options:
+/* Twin of vision_core.pipeline.view_encoder.encode_views for robots that are circles and clients with the paper's options:
    a world in; every robot's edges by angular splat, the ball's visible share, pixels and characters out. */
 
 #include <math.h>
@@ -274,7 +274,7 @@ static int64_t write_see(int64_t time_us, const uint8_t *px, const uint8_t *kind
 }
 
 /* bodies: the world's robots with their viewer; page: px and kinds of every robot; slots, starts, lengths: by robot. */
-void write_messages(body *bodies, int64_t count, const double *ball, int64_t time_ns, const place *p,
+void encode_views(body *bodies, int64_t count, const double *ball, int64_t time_ns, const place *p,
                     const double (*segments)[4], const uint8_t *segment_kinds, const double *ray_x,
                     const double *ray_y, const uint32_t *hex, const uint8_t *letters, uint8_t *page, char *slots,
                     int64_t *starts, int64_t *lengths)

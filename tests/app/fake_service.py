@@ -30,7 +30,7 @@ from tests.app.fake_tasks import (
 from vision_core.clock import Instant, MonotonicClock, after
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import robots_of
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, SourceInfo, TaskOverride
 from vision_core.rtdb.items import Item, T
@@ -93,8 +93,8 @@ class FakeService:
         self._writers = {spec.name: self.store.writer(spec.name) for spec in self.specs}
         self._camera = CameraSetup.from_settings(self.settings).model
         self._picture = FakePicture(self.settings, self._things())
-        self._messages = Messages(self.settings, self.boot)
-        self._messages.write(WorldTable(), ())  # compiled now, so that nobody waits for it later
+        self._encoder = ViewEncoder(self.settings, self.boot)
+        self._encoder.write(WorldTable(), ())  # compiled now, so that nobody waits for it later
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -144,8 +144,8 @@ class FakeService:
             self.put(item, finding, grabbed)
         world = self._world(poses, ball, grabbed)
         self.put(records.WORLD, world, grabbed)
-        self._messages.write(WorldTable.of(world), ())
-        self.put(records.VIEWS, self._messages.views.record(), grabbed)
+        self._encoder.write(WorldTable.of(world), ())
+        self.put(records.VIEWS, self._encoder.views.record(), grabbed)
         clients = clients_of(
             self.scene.condition, self.scene.clients, self.settings.match.numbers, self._frames, self.boot
         )

@@ -6,22 +6,23 @@ import sys
 import numpy as np
 import pytest
 
-from vision_core.client.panorama import BALL, COLORS, DARK, FLOOR, FRONT, UNKNOWN, Color, draw_panorama
+from vision_core.client.panorama import BALL, COLORS, DARK, FLOOR, FRONT, UNDEFINED_COLOR, draw_panorama
 from vision_core.geometry import Bytes
 from vision_core.models.mirror import Mirror
+from vision_core.types.edges import Rgb
 
 MIRROR = Mirror(4.0187, 0.0125935, 90000.0)
 """Horizon at 108.8 px, one metre at 86.6 px; fits the picture unscaled."""
 CENTER = (160, 120)
 
 
-def at(picture: Bytes, left: int, up: int) -> Color:
+def at(picture: Bytes, left: int, up: int) -> Rgb:
     """The color so many pixels left of and above the center."""
     red, green, blue = picture[CENTER[1] - up, CENTER[0] - left].tolist()
     return red, green, blue
 
 
-def is_shade(color: Color, of: Color) -> bool:
+def is_shade(color: Rgb, of: Rgb) -> bool:
     """The same hue, perhaps darker."""
     share = sum(color) / sum(of)
     return 0.3 < share < 1.02 and all(abs(c - share * o) <= 3 for c, o in zip(color, of, strict=True))
@@ -88,7 +89,7 @@ def test_a_wide_horizon_is_scaled_into_the_picture() -> None:
 
 def test_letters_are_the_callers_to_color() -> None:
     picture = draw_panorama(np.full(4, 60.0), "Z!Z!", None, MIRROR, colors={"!": (9, 99, 199)})
-    assert is_shade(at(picture, 0, 80), UNKNOWN)
+    assert is_shade(at(picture, 0, 80), UNDEFINED_COLOR)
     assert is_shade(at(picture, 80, 0), (9, 99, 199))
 
 

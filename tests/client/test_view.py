@@ -39,8 +39,9 @@ def test_distances_come_back_within_their_pixel() -> None:
     px = PAPER_MIRROR.px_from_mm(truth).astype(int)
     edges = b"".join(b"w%02x" % value for value in px)
     view = view_from_see(See(0, edges, HIDDEN), PAPER_OPTIONS, PAPER_MIRROR)
-    spans = np.array([PAPER_MIRROR.mm_per_px(value + 1.0) for value in px])
-    assert np.all(np.abs(view.mm - truth) < spans)
+    assert np.all(truth >= PAPER_MIRROR.mm_from_px(px.astype(np.float64)))
+    assert np.all(view.mm < PAPER_MIRROR.mm_from_px(px + 1.0))
+    assert np.all(np.abs(view.mm - truth) < PAPER_MIRROR.mm_from_px(px + 1.0) - PAPER_MIRROR.mm_from_px(px + 0.0))
 
 
 def test_directions_follow_the_options() -> None:

@@ -7,7 +7,8 @@ from msgspec.structs import replace
 
 from vision_core.models.field import accepted_half_extent, field_lines, field_segments, goal_line_x, is_accepted
 from vision_core.settings.schema import FieldSettings
-from vision_core.types.field import EdgeKind, Segment
+from vision_core.types.edges import EdgeKind
+from vision_core.types.field import Segment
 from vision_core.venues.loader import load_settings
 
 WALLED = load_settings(options={"field_preset": "ssl-2002"}).field

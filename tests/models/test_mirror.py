@@ -33,7 +33,8 @@ def test_the_worked_example_to_the_printed_digits(r_mm: float, r_px: str, digits
     found = PAPER.px_from_mm(r_mm)
     assert f"{found:.1f}" == r_px
     assert f"{int(found):02x}" == digits
-    assert f"{PAPER.mm_per_px(found):.{1 if '.' in slope else 0}f}" == slope
+    mm_per_px = (PAPER.mm_from_px(found + 1e-4) - PAPER.mm_from_px(found - 1e-4)) / 2e-4
+    assert f"{mm_per_px:.{1 if '.' in slope else 0}f}" == slope
 
 
 def test_the_horizon() -> None:
@@ -79,15 +80,8 @@ def test_round_trip_of_the_papers_mirror_from_0_to_a_kilometre() -> None:
 def test_farther_is_farther_out_and_flatter(mirror: Mirror) -> None:
     px = mirror.px_from_mm(np.geomspace(1.0, 1e5, 200))
     assert (np.diff(px) > 0.0).all()
-    slopes = [mirror.mm_per_px(float(p)) for p in px]
-    assert (np.diff(slopes) > 0.0).all()
-
-
-@given(mirrors(), st.floats(0.05, 0.95))
-def test_the_slope_is_the_derivative(mirror: Mirror, share: float) -> None:
-    r_px, step = share * mirror.horizon_px, 1e-4
-    difference = (mirror.mm_from_px(r_px + step) - mirror.mm_from_px(r_px - step)) / (2.0 * step)
-    assert mirror.mm_per_px(r_px) == pytest.approx(difference, rel=1e-4)
+    spans = np.diff(mirror.mm_from_px(np.linspace(0.0, 0.99 * mirror.horizon_px, 200)))
+    assert (np.diff(spans) > 0.0).all()
 
 
 @pytest.mark.parametrize(

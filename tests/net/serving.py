@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tests.protocol.samples import LETTERS, SUBNETS, simple_view
+from tests.protocol.samples import CODES, SUBNETS, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.net.delivery import DROPPED, NOT_SENT, REFUSED, SENT, Batch
@@ -15,7 +15,7 @@ from vision_core.net.server import UdpServer
 from vision_core.net.udp import SendResult, open_server_sockets
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.lifecycle import Session
-from vision_core.protocol.see import see_from_view
+from vision_core.protocol.see import reference_see
 from vision_core.protocol.session import Event, SessionRules, Sessions
 from vision_core.types.views import BallView
 
@@ -86,7 +86,7 @@ class Stadium:
             return None
         options = session.init.options
         view = simple_view(at=at, rays=options.rays_per_circle, ball=BALL)
-        return see_from_view(view, options, PAPER_MIRROR, LETTERS, self.rules.boot, nul=session.nul)
+        return reference_see(view, options, PAPER_MIRROR, CODES, self.rules.boot, nul=session.nul)
 
     def send_frame(self, at: Instant | None = None) -> Frame:
         self._grabbed = at or Instant(max(self.clock.now(), self._grabbed + 1_000_000))  # Time has milliseconds

@@ -1,4 +1,4 @@
-"""A venue broken in many ways: what is said names what is wrong."""
+"""Venues with one mistake each: a reason names the mistake. And the time that the search may take."""
 
 from typing import Any
 
@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from vision_core.capture.source import open_source
-from vision_core.clock import Instant, ManualClock
+from vision_core.clock import Clock, Instant, ManualClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import shrink
-from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.pipeline.diagnosis import CUT_SHORT, reasons_of
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
@@ -40,10 +40,23 @@ def image() -> Bytes:
     return pixels
 
 
-def said(image: Bytes, settings: Settings = SETTINGS) -> tuple[str, ...]:
+class TickingClock:
+    """A clock that is one nanosecond later at each reading: as if every step of the search took so long."""
+
+    def __init__(self) -> None:
+        self.readings = 0
+
+    def now(self) -> Instant:
+        self.readings += 1
+        return Instant(self.readings)
+
+
+def said(
+    image: Bytes, settings: Settings = SETTINGS, *, deadline: Instant | None = None, clock: Clock | None = None
+) -> tuple[str, ...]:
     perception = Perception(settings, CameraSetup.from_settings(settings))
     seen = perception.perceive(ImageFrame("main", 1, Instant(0), image), ManualClock()).record()
-    return reasons_of(perception, seen)
+    return reasons_of(perception, seen, deadline=deadline, clock=clock)
 
 
 def changed(**options: Any) -> Settings:
@@ -102,3 +115,19 @@ def test_bad_pictures_are_named(image: Bytes) -> None:
     coarse = shrink(image, SETTINGS.camera.width_px // 16)
     blurred = np.repeat(np.repeat(coarse, 16, axis=0), 16, axis=1)
     assert any("robot" in reason for reason in said(blurred))
+
+
+def test_what_is_found_by_the_deadline_is_said(image: Bytes) -> None:
+    """Another league's markers: the teams' own reasons are found in six steps, the other pattern in more."""
+    venue = changed(robots__pattern="mirosot-tile", colors__classes=CLASSES | {"pale": []})
+    whole = said(image, venue)
+    assert any("ssl-standard" in reason for reason in whole)
+    assert CUT_SHORT not in whole
+    clock = TickingClock()
+    *found, last = said(image, venue, deadline=Instant(8), clock=clock)
+    assert found == [reason for reason in whole if "ssl-standard" not in reason]
+    assert found
+    assert last == CUT_SHORT
+    assert clock.readings == 8
+    assert said(image, venue, deadline=Instant(1), clock=TickingClock()) == (CUT_SHORT,)
+    assert said(image, venue, deadline=Instant(10_000), clock=TickingClock()) == whole

@@ -1,10 +1,9 @@
-"""A world in, datagrams out: the compiled writer against the law, ``protocol.see``, for every option."""
+"""A world in, datagrams out: the compiled writer against the reference, ``protocol.see``, for every option."""
 
 import dataclasses
 import math
 from dataclasses import dataclass
 
-import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -18,26 +17,26 @@ from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.delivery import Batch
 from vision_core.pipeline import view_encoder as module
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.codec import decode_message
-from vision_core.protocol.edge_codes import LetterTable
+from vision_core.protocol.edge_codes import edge_codes
 from vision_core.protocol.messages import Init, See
 from vision_core.protocol.options import PAPER_OPTIONS, Options, options_from_forms
-from vision_core.protocol.see import ball_from_view, edge_px, see_from_view
-from vision_core.types.field import EdgeKind
+from vision_core.protocol.see import reference_ball, reference_px, reference_see
+from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import World
 
-LETTERS = LetterTable(**msgspec.structs.asdict(SETTINGS.protocol.letters))
+CODES = edge_codes(SETTINGS.protocol.letters)
 MIRROR = mirror_from(SETTINGS)
 BOOT = Instant(500_000_000)
-MESSAGES = Messages(with_squares(), BOOT)
+ENCODER = ViewEncoder(with_squares(), BOOT)
 
 
 @dataclass(frozen=True)
 class Client:
-    """As much of a session as messages need."""
+    """The part of a session that the encoder reads."""
 
     init: Init
     nul: bool = False
@@ -47,10 +46,10 @@ def blue_1(options: Options = PAPER_OPTIONS, *, nul: bool = False) -> Client:
     return Client(Init(Team.BLUE, 1, options), nul)
 
 
-def law(table: WorldTable, client: Client, messages: Messages = MESSAGES) -> bytes | None:
-    """What the protocol's own module makes of the view that messages looked at."""
-    view = messages.eyes.view(table, client.init.team, client.init.number)
-    return None if view is None else see_from_view(view, client.init.options, MIRROR, LETTERS, BOOT, nul=client.nul)
+def reference(table: WorldTable, client: Client, encoder: ViewEncoder = ENCODER) -> bytes | None:
+    """What the reference makes of a view of the world that was rendered last."""
+    view = encoder.renderer.view(table, client.init.team, client.init.number)
+    return None if view is None else reference_see(view, client.init.options, MIRROR, CODES, BOOT, nul=client.nul)
 
 
 def see(batch: Batch, line: int = 0) -> See:
@@ -96,16 +95,16 @@ def test_every_datagram_is_byte_for_byte_what_the_protocol_says(
             [(Team.BLUE, 1), (Team.BLUE, 2), (Team.YELLOW, 3), (Team.YELLOW, 5)], asked, strict=False
         )
     ]
-    batch = MESSAGES.write(table, clients)
+    batch = ENCODER.write(table, clients)
     for line, client in enumerate(clients):
-        expected = law(table, client)
+        expected = reference(table, client)
         assert bytes(batch.datagram(line)) == (expected or b"")
 
 
 @pytest.mark.parametrize("name", list(fields()))
 def test_all_robots_of_a_full_field(name: str) -> None:
     settings = replace(SETTINGS, field=fields()[name], match=replace(SETTINGS.match, numbers=16))
-    messages, rng = Messages(settings, BOOT), np.random.default_rng(3)
+    encoder, rng = ViewEncoder(settings, BOOT), np.random.default_rng(3)
     robots = [
         robot(team, marker, rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), rng.uniform(-3.0, 3.0))
         for team, ids in ((Team.BLUE, settings.match.blue_ids), (Team.YELLOW, settings.match.yellow_ids))
@@ -113,10 +112,10 @@ def test_all_robots_of_a_full_field(name: str) -> None:
     ]
     table = WorldTable.of(dataclasses.replace(world(*robots, ball=ball(0.1, 0.2)), at=Instant(BOOT + 1)))
     clients = [Client(Init(team, number)) for team in Team for number in range(1, 17)]
-    batch = messages.write(table, clients)
+    batch = encoder.write(table, clients)
     for line, client in enumerate(clients):
-        assert bytes(batch.datagram(line)) == law(table, client, messages)
-    snapshot = messages.views.record()
+        assert bytes(batch.datagram(line)) == reference(table, client, encoder)
+    snapshot = encoder.views.record()
     assert [(view.team, view.number) for view in snapshot.views] == [(c.init.team, c.init.number) for c in clients]
 
 
@@ -131,39 +130,39 @@ def test_the_longest_and_the_shortest_datagram() -> None:
         Client(Init(Team.BLUE, 2)),
         blue_1(Options(fov_deg=360.0, resolution_deg=360.0)),
     ]
-    batch = MESSAGES.write(table, clients)
+    batch = ENCODER.write(table, clients)
     lengths = [len(batch.datagram(line)) for line in range(3)]
     assert lengths[0] == 1344 + len("(see 9199999999.999999 ((edge) ) ((ball) 74 39 4))\0")
     assert lengths[1] == 0
     assert bytes(batch.datagram(2)).startswith(b"(see 9199999999.999 ((edge) v")
     for line in (0, 2):
-        assert bytes(batch.datagram(line)) == law(table, clients[line])
+        assert bytes(batch.datagram(line)) == reference(table, clients[line])
 
 
 def test_what_was_grabbed_before_the_start_has_time_0() -> None:
     before = dataclasses.replace(world(robot(Team.BLUE, 1, 0.0, 0.0)), at=Instant(BOOT - 1))
-    assert see(MESSAGES.write(WorldTable.of(before), [blue_1()])).time_us == 0
+    assert see(ENCODER.write(WorldTable.of(before), [blue_1()])).time_us == 0
 
 
 def test_only_who_is_due_gets_a_datagram_and_a_new_sequence_is_looked_at_anew() -> None:
     table = WorldTable.of(world(robot(Team.BLUE, 1, 0.0, 0.0), robot(Team.BLUE, 2, 0.5, 0.0)))
     clients = [blue_1(), Client(Init(Team.BLUE, 2))]
-    batch = MESSAGES.write(table, clients, np.array([0, 1], dtype=np.uint8))
+    batch = ENCODER.write(table, clients, np.array([0, 1], dtype=np.uint8))
     assert [len(batch.datagram(line)) > 0 for line in (0, 1)] == [False, True]
-    batch = MESSAGES.write(table, [clients[1]])
-    assert bytes(batch.datagram(0)) == law(table, clients[1])
+    batch = ENCODER.write(table, [clients[1]])
+    assert bytes(batch.datagram(0)) == reference(table, clients[1])
 
 
 def test_what_blue_1_sees() -> None:
     """Yellow 2 a meter ahead, the ball half a meter to the left, an obstacle to the right."""
-    messages = Messages(SETTINGS, BOOT)
+    encoder = ViewEncoder(SETTINGS, BOOT)
     yellow = SETTINGS.match.yellow_ids[1]
     here = dataclasses.replace(
         world(robot(Team.BLUE, 1, 0.0, 0.0), robot(Team.YELLOW, yellow, 1.0, 0.0), ball=ball(0.0, 0.5)),
         obstacles=(obstacle(0.0, -0.4, 0.1),),
         at=Instant(BOOT + 20_306_148_000_000),
     )
-    message = see(messages.write(WorldTable.of(here), [blue_1()]))
+    message = see(encoder.write(WorldTable.of(here), [blue_1()]))
     assert message.time_us == 20_306_148_000
     assert len(message.edges) == 1080
     assert message.edges[:3] == f"r{int(MIRROR.px_from_mm(910.0)):02x}".encode()
@@ -177,22 +176,22 @@ def test_what_blue_1_sees() -> None:
 @pytest.mark.parametrize("asked", [PAPER_OPTIONS, Options(fov_deg=90.0, resolution_deg=0.25, mirror=PAPER_MIRROR)])
 def test_the_page_gets_the_field_s_pixels_whatever_clients_ask_for(asked: Options) -> None:
     table = WorldTable.of(random_world(np.random.default_rng(5), fields()["walls"]))
-    MESSAGES.write(table, [blue_1(asked)])
-    snapshot = MESSAGES.views.record()
+    ENCODER.write(table, [blue_1(asked)])
+    snapshot = ENCODER.views.record()
     assert (snapshot.frame_number, snapshot.at) == (7, AT)
     page = {(view.team, view.number): view for view in snapshot.views}
-    MESSAGES.eyes.sight.rays[:] = 360
-    MESSAGES.eyes.look(table)
+    ENCODER.renderer.buffers.rays[:] = 360
+    ENCODER.renderer.render(table)
     for team in Team:
         for number in range(1, 6):
-            view = MESSAGES.eyes.view(table, team, number)
+            view = ENCODER.renderer.view(table, team, number)
             assert (view is None) == ((team, number) not in page)
             if view is None:
                 continue
             shown = page[team, number]
-            assert shown.px == edge_px(view, MIRROR).tobytes()
+            assert shown.px == reference_px(view, MIRROR).tobytes()
             assert shown.kinds == view.kinds.tobytes()
-            expected = ball_from_view(view.ball, PAPER_OPTIONS, MIRROR)
+            expected = reference_ball(view.ball, PAPER_OPTIONS, MIRROR)
             assert (shown.ball_px, shown.ball_direction_deg) == (expected.px, expected.direction_deg)
             assert shown.partial == (view.ball is not None and view.ball.partial)
             assert shown.overlap == view.overlap
@@ -200,32 +199,32 @@ def test_the_page_gets_the_field_s_pixels_whatever_clients_ask_for(asked: Option
 
 def test_a_robot_at_no_finite_place_has_no_view() -> None:
     here: World = world(robot(Team.BLUE, 1, math.nan, 0.0), robot(Team.BLUE, 2, 0.3, 0.0))
-    batch = MESSAGES.write(WorldTable.of(here), [blue_1(), Client(Init(Team.BLUE, 2))])
+    batch = ENCODER.write(WorldTable.of(here), [blue_1(), Client(Init(Team.BLUE, 2))])
     assert len(batch.datagram(0)) == 0
     assert see(batch, 1).edges.count(b"w") > 100
 
 
 def test_directions_off_the_grid_are_our_own_misuse() -> None:
     with pytest.raises(ValueError, match=r"every 0.3 deg"):
-        MESSAGES.request(Team.BLUE, 1, Options(resolution_deg=0.3), nul=False)
+        ENCODER.request(Team.BLUE, 1, Options(resolution_deg=0.3), nul=False)
 
 
 def test_marks_must_be_one_for_each_client() -> None:
     with pytest.raises(ValueError, match="2 marks for 1 clients"):
-        MESSAGES.write(WorldTable.of(world()), [blue_1()], np.ones(2, dtype=np.uint8))
+        ENCODER.write(WorldTable.of(world()), [blue_1()], np.ones(2, dtype=np.uint8))
 
 
 def test_one_signature_is_compiled() -> None:
     """Another one would be compiled while a frame waits."""
     for due in (None, np.ones(1, dtype=np.uint8)):
-        MESSAGES.write(WorldTable.of(world(robot(Team.BLUE, 1, 0.0, 0.0))), [blue_1()], due)
-    MESSAGES.write(WorldTable(bytes(WorldTable().bytes)), ())
-    assert len(module.write_messages.signatures) == 1  # type: ignore[attr-defined]
+        ENCODER.write(WorldTable.of(world(robot(Team.BLUE, 1, 0.0, 0.0))), [blue_1()], due)
+    ENCODER.write(WorldTable(bytes(WorldTable().bytes)), ())
+    assert len(module.encode_views.signatures) == 1  # type: ignore[attr-defined]
 
 
 def test_edges_of_every_kind_have_their_letters() -> None:
     table = WorldTable.of(world(robot(Team.BLUE, 1, 0.0, 0.0), robot(Team.YELLOW, None, 0.4, 0.0)))
     for types, letter in (("same", b"r"), ("team", b"y"), ("number", b"y")):
-        message = see(MESSAGES.write(table, [blue_1(Options(types=types))]))
+        message = see(ENCODER.write(table, [blue_1(Options(types=types))]))
         assert message.edges[:1] == letter
-    assert EdgeKind.ROBOT_YELLOW in MESSAGES.eyes.sight.kinds[:360]
+    assert EdgeKind.ROBOT_YELLOW in ENCODER.renderer.buffers.kinds[:360]

@@ -1,4 +1,4 @@
-"""Letters, rules, simple views, and a network in memory."""
+"""Edge codes, rules, simple views, and a network in memory."""
 
 from collections import deque
 
@@ -7,14 +7,14 @@ import numpy as np
 from vision_core.clock import Instant, ManualClock
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.edge_codes import LetterTable
+from vision_core.protocol.edge_codes import edge_codes
 from vision_core.protocol.lifecycle import Peer, Port
 from vision_core.protocol.session import Endpoint, Event, Reply, SessionRules, Sessions
-from vision_core.types.field import EdgeKind
+from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.views import BallView, RobotView
 
-LETTERS = LetterTable("-", "w", "u", "v", "q", "r", "x", "y", "A", "a")
+CODES = edge_codes()
 BOOT = Instant(5_000_000_000)
 PAPERS_TIME = Instant(BOOT + 20_306_148_000_000)
 MAIN = Endpoint(Port.MAIN, "127.0.0.1")

@@ -1,49 +1,64 @@
-"""Every letter means one thing."""
-
-from dataclasses import asdict, replace
+"""The letters of the edge types on the wire."""
 
 import pytest
 
-from tests.protocol.samples import LETTERS
 from vision_core.errors import SettingsError
-from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
-from vision_core.types.field import EdgeKind
-from vision_core.venues.loader import load_settings
+from vision_core.protocol.edge_codes import TYPES, edge_codes
+from vision_core.types.edges import UNDEFINED, EdgeKind
+
+CODES = edge_codes()
 
 
-def letter(kind: int, types: str) -> str:
-    return chr(letters_by_kind(LETTERS, types)[kind])
+def letters(types: str, *codes: int) -> str:
+    return "".join(chr(CODES[types][code]) for code in codes)
 
 
-@pytest.mark.parametrize("types", ["same", "team", "number"])
-def test_things_keep_their_letters(types: str) -> None:
+@pytest.mark.parametrize("types", TYPES)
+def test_objects_have_the_same_letter_in_every_representation(types: str) -> None:
     kinds = (EdgeKind.NOTHING, EdgeKind.WALL, EdgeKind.GOAL_BLUE, EdgeKind.GOAL_YELLOW, EdgeKind.UNKNOWN)
-    assert "".join(letter(kind, types) for kind in kinds) == "-wuvq"
-    assert letter(200, types) == "q"
+    assert letters(types, *kinds) == "-wuvq"
+
+
+@pytest.mark.parametrize("types", TYPES)
+def test_a_code_without_a_type_is_visible(types: str) -> None:
+    undefined = [5, 15, EdgeKind.ROBOT_BLUE + 17, EdgeKind.ROBOT_YELLOW + 17, 255]
+    assert letters(types, *undefined) == UNDEFINED * len(undefined)
 
 
 def test_the_papers_three_representations_of_robots() -> None:
     robots = [EdgeKind.ROBOT_BLUE, EdgeKind.ROBOT_BLUE + 1, EdgeKind.ROBOT_BLUE + 16]
     robots += [EdgeKind.ROBOT_YELLOW, EdgeKind.ROBOT_YELLOW + 1, EdgeKind.ROBOT_YELLOW + 16]
-    assert "".join(letter(robot, "same") for robot in robots) == "rrrrrr"
-    assert "".join(letter(robot, "team") for robot in robots) == "xxxyyy"
-    assert "".join(letter(robot, "number") for robot in robots) == "xAPyap"
+    assert letters("same", *robots) == "rrrrrr"
+    assert letters("team", *robots) == "xxxyyy"
+    assert letters("number", *robots) == "xAPyap"
 
 
-def test_the_configuration_holds_these_letters() -> None:
-    configured = load_settings().protocol.letters
-    assert {name: getattr(configured, name) for name in asdict(LETTERS)} == asdict(LETTERS)
+def test_the_settings_replace_letters() -> None:
+    chosen = edge_codes({"wall": "!", "first_blue": "Q", "robot": "+"})
+    assert [chr(chosen[types][EdgeKind.WALL]) for types in TYPES] == ["!", "!", "!"]
+    assert chr(chosen["number"][EdgeKind.ROBOT_BLUE + 3]) == "S"
+    assert chr(chosen["same"][EdgeKind.ROBOT_YELLOW + 3]) == "+"
 
 
 @pytest.mark.parametrize(
-    "change",
-    [{"wall": "("}, {"wall": " "}, {"wall": "ww"}, {"wall": "u"}, {"unknown": "C"}, {"first_blue": "x"}],
+    ("change", "message"),
+    [
+        ({"wall": "("}, r"protocol.letters.wall; found: '\('; accepted: a printable character, no bracket"),
+        ({"wall": " "}, "protocol.letters.wall; found: ' '"),
+        ({"wall": "ww"}, "protocol.letters.wall; found: 'ww'; accepted: one character"),
+        ({"wall": "u"}, "protocol.letters.wall; found: 'u', which means goal_blue too"),
+        ({"wall": UNDEFINED}, "protocol.letters.wall"),
+        ({"unknown": "C"}, "protocol.letters.unknown; found: 'C', which means first_blue too"),
+        ({"first_blue": "x"}, "protocol.letters.first_blue; found: 'x', which means blue too"),
+        ({"first_blue": "{"}, "protocol.letters.first_blue; .* and 15 more behind it"),
+        ({"wal": "W"}, "protocol.letters.wal; found: no letter of this name; accepted: nothing, wall, goal_blue"),
+    ],
 )
-def test_letters_that_cannot_be_told_apart_are_refused(change: dict[str, str]) -> None:
-    with pytest.raises(SettingsError):
-        LetterTable(**{**asdict(LETTERS), **change})
+def test_letters_that_cannot_be_told_apart_are_refused(change: dict[str, str], message: str) -> None:
+    with pytest.raises(SettingsError, match=message):
+        edge_codes(change)
 
 
 def test_the_tables_cannot_be_changed() -> None:
     with pytest.raises(ValueError, match="read-only"):
-        letters_by_kind(replace(LETTERS), "same")[0] = 0
+        CODES["same"][0] = 0

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.protocol.samples import LETTERS
 from vision_core.protocol.codec import COMMANDS, MAX_COMMAND, decode_commands, decode_message
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import MAX_LAG_S, REPORT_PERIOD_S, Init, InvalidCommand, See
 from vision_core.protocol.options import MAX_DIRECTIONS, OPTION_PARSERS
 from vision_core.protocol.rate_limits import COMMAND_RATE, DATAGRAM, RATES
 from vision_core.protocol.session import ALL_INITS_RATE, LIMITED_ERRORS
+from vision_core.types.edges import EDGE_TYPES, UNDEFINED, EdgeType, Letter
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
@@ -57,11 +57,24 @@ def test_every_command_is_named() -> None:
     assert f"at most {MAX_DIRECTIONS}" in REFERENCE
 
 
-@pytest.mark.parametrize(
-    "letter", ["wall", "goal_blue", "goal_yellow", "unknown", "robot", "blue", "yellow", "nothing"]
-)
-def test_every_letter_has_a_line(letter: str) -> None:
-    assert f"`{getattr(LETTERS, letter)}`" in REFERENCE
+def row_of(edge: EdgeType) -> str:
+    """The line of the reference that an edge type must have."""
+
+    def spelled(letter: Letter) -> str:
+        last = chr(ord(letter.default) + letter.count - 1)
+        return f"`{letter.default}`" if letter.count == 1 else f"`{letter.default}`..`{last}`: 1..{letter.count}"
+
+    number = spelled(edge.number)
+    if edge.numbered:
+        number = f"{spelled(edge.numbered)}; {number}: its number is not known"
+    names = ", ".join(letter.key for letter in edge.letters)
+    return f"| {edge.meaning} ({names}) | {spelled(edge.same)} | {spelled(edge.team)} | {number} |"
+
+
+def test_the_list_of_edge_types_is_the_table_of_edge_types() -> None:
+    listed = re.findall(r"^\| edge \| .*?\n\| --- .*?\n(.*?)\n\n", REFERENCE, flags=re.MULTILINE | re.DOTALL)
+    assert [rows.splitlines() for rows in listed] == [[row_of(edge) for edge in EDGE_TYPES]]
+    assert f"`{UNDEFINED}` is no edge type" in REFERENCE
 
 
 def test_messages_shown_are_legal() -> None:

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from tests.protocol.samples import BOOT, LETTERS, simple_view
+from tests.protocol.samples import BOOT, CODES, simple_view
 from vision_core.clock import Instant
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.codec import decode_message
 from vision_core.protocol.messages import HIDDEN, Ball, See
 from vision_core.protocol.options import MAX_DATAGRAM, PAPER_OPTIONS, Options
-from vision_core.protocol.see import ball_from_view, edge_px, see_from_view
-from vision_core.types.field import EdgeKind
+from vision_core.protocol.see import reference_ball, reference_px, reference_see
+from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.views import BallView, RobotView
 
@@ -20,7 +20,7 @@ BALL = BallView(distance_m=0.379, direction_deg=121.2, size_deg=6.45, partial=Fa
 
 
 def datagram(view: RobotView, options: Options = PAPER_OPTIONS, *, nul: bool = False) -> bytes:
-    return see_from_view(view, options, PAPER_MIRROR, LETTERS, BOOT, nul=nul)
+    return reference_see(view, options, PAPER_MIRROR, CODES, BOOT, nul=nul)
 
 
 def view_of(distances_m: list[float], kinds: list[int]) -> RobotView:
@@ -60,13 +60,13 @@ def test_the_worked_example_of_the_mirror() -> None:
 def test_distances_are_cut_not_rounded() -> None:
     beyond = PAPER_MIRROR.mm_from_px(61.0) / 1000.0
     view = view_of([beyond * (1 - 1e-9), beyond * (1 + 1e-9)], [1, 1])
-    assert edge_px(view, PAPER_MIRROR)[:2].tolist() == [60, 61]
+    assert reference_px(view, PAPER_MIRROR)[:2].tolist() == [60, 61]
 
 
 def test_far_edges_are_fe_at_most() -> None:
     widest = Mirror(2.541967, 0.01, 100.0)
     assert 253.99 < widest.horizon_px <= 254.0
-    px = edge_px(view_of([1e9, 1e300, math.inf, 1.0], [1, 1, 1, EdgeKind.NOTHING]), widest)
+    px = reference_px(view_of([1e9, 1e300, math.inf, 1.0], [1, 1, 1, EdgeKind.NOTHING]), widest)
     assert px[:4].tolist() == [253, 253, 255, 255]
 
 
@@ -80,7 +80,7 @@ def test_time_is_cut_to_its_decimals() -> None:
     ("direction_deg", "expected"), [(0.4, 0), (0.5, 1), (359.4, 359), (359.5, 0), (359.6, 0), (121.5, 122)]
 )
 def test_directions_round_half_up(direction_deg: float, expected: int) -> None:
-    ball = ball_from_view(BallView(0.5, direction_deg, 4.9, False), PAPER_OPTIONS, PAPER_MIRROR)
+    ball = reference_ball(BallView(0.5, direction_deg, 4.9, False), PAPER_OPTIONS, PAPER_MIRROR)
     assert ball.direction_deg == expected
 
 
@@ -89,17 +89,17 @@ def test_directions_round_half_up(direction_deg: float, expected: int) -> None:
 )
 def test_sizes(size_deg: float, full: int, half: int) -> None:
     ball = BallView(0.5, 10.0, size_deg, False)
-    assert ball_from_view(ball, PAPER_OPTIONS, PAPER_MIRROR).size_deg == full
-    assert ball_from_view(ball, Options(size="half"), PAPER_MIRROR).size_deg == half
+    assert reference_ball(ball, PAPER_OPTIONS, PAPER_MIRROR).size_deg == full
+    assert reference_ball(ball, Options(size="half"), PAPER_MIRROR).size_deg == half
 
 
 def test_the_other_sense_mirrors_everything() -> None:
     view = view_of([0.11, 0.15, 0.22, 0.3], [1, 1, 1, 1])
-    turned = see_from_view(
+    turned = reference_see(
         RobotView(Team.BLUE, 3, view.at, 1, view.distances_m, view.kinds, BALL, False),
         Options(sense="cw"),
         PAPER_MIRROR,
-        LETTERS,
+        CODES,
         BOOT,
     )
     see = decode_message(turned)
@@ -111,7 +111,7 @@ def test_the_other_sense_mirrors_everything() -> None:
 def test_a_narrow_view_hides_the_ball_outside() -> None:
     def seen(direction_deg: float, center_deg: float = 0.0) -> Ball:
         options = Options(fov_deg=90.0, center_deg=center_deg)
-        return ball_from_view(BallView(0.5, direction_deg, 4.0, False), options, PAPER_MIRROR)
+        return reference_ball(BallView(0.5, direction_deg, 4.0, False), options, PAPER_MIRROR)
 
     assert seen(0.0) == Ball(69, 0, 4)
     assert seen(46.9) == Ball(69, 47, 4)  # its edge is in view

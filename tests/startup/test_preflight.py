@@ -12,8 +12,6 @@ from vision_core.startup.preflight import check_tasks, main
 from vision_core.venues.loader import load_settings
 
 WRONG: list[tuple[dict[str, Any], str]] = [
-    ({"protocol.letters.wall": "x"}, "'x' means wall too"),
-    ({"protocol.letters.first_blue": "R"}, "'a' means first_blue too"),
     ({"source.uri": "file:nowhere.jpg"}, "nowhere.jpg"),
 ]
 

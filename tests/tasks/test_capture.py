@@ -21,7 +21,7 @@ from vision_core.scheduling.releases import IDLE, RAN, Release, StepResult
 from vision_core.settings.schema import Settings
 from vision_core.tasks import capture, source
 from vision_core.tasks.table import record_specs, task_table
-from vision_core.timing.rate_keeper import OrderedKeeper
+from vision_core.timing.rate_keeper import RequestedKeeper
 from vision_core.venues.loader import load_settings
 
 RATE_HZ = 50.0
@@ -159,14 +159,14 @@ def test_an_order_that_comes_while_another_is_filled_is_not_lost(stage: Stage) -
     orders, now = records.frame_requests("main").writer(store), stage.clock.now()
     orders.write(FrameRequest(1, 1, now), now, now)
 
-    def grab_and_be_asked(_keeper: OrderedKeeper) -> Instant:
+    def grab_and_be_asked(_keeper: RequestedKeeper) -> Instant:
         """A new capture gives its first order while the old one's image is made."""
         if orders.sequence == 1:
             orders.write(FrameRequest(2, 1, now), now, now)
         return now
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(OrderedKeeper, "wait", grab_and_be_asked)
+        patched.setattr(RequestedKeeper, "wait", grab_and_be_asked)
         assert step(Release(now, now)) == RAN
         assert step(Release(now, now)) == RAN
     filled = records.frames_done("main").reader(store).value(now)

@@ -20,7 +20,7 @@ def test_bins_are_ordered_and_three_percent_wide() -> None:
     assert (EDGES_S[2:] / EDGES_S[1:-1]).max() <= 33.0 / 32.0 + 1e-12
 
 
-def test_the_ends_take_what_lies_beyond() -> None:
+def test_the_outer_bins_contain_everything_beyond() -> None:
     assert bin_of(-5) == 0
     assert bin_of(10**14) == BINS - 1
 
@@ -38,7 +38,7 @@ def test_quantiles_agree_with_numpys_to_a_bin() -> None:
     assert quantile_s(counts["a"], 0.5) is None
 
 
-def test_a_block_has_the_size_that_is_told() -> None:
+def test_a_block_has_the_announced_size() -> None:
     assert len(Histograms("abc").encode()) == size_of("abc")
     with pytest.raises(ValueError, match="reshape"):
         decode("ab", Histograms("abc").encode())

@@ -1,7 +1,7 @@
-"""The rate keeper stays on its grid, leaves out what is over, and never hurries."""
+"""The rate keeper stays on its grid, skips periods that have passed, and never makes up for them."""
 
 from vision_core.clock import NS_PER_S, Instant, ManualClock
-from vision_core.timing.rate_keeper import OrderedKeeper, RateKeeper, rate_keeper
+from vision_core.timing.rate_keeper import RateKeeper, RequestedKeeper, rate_keeper
 
 
 def test_instants_lie_on_the_grid_without_drift() -> None:
@@ -22,7 +22,7 @@ def test_work_within_the_period_shifts_nothing() -> None:
     assert instants == [k * NS_PER_S // 10 for k in range(5)]
 
 
-def test_late_means_whole_periods_left_out_and_no_burst_after() -> None:
+def test_lateness_skips_whole_periods_without_a_burst_afterwards() -> None:
     clock = ManualClock()
     keeper = RateKeeper(10.0, clock, clock.advance)
     keeper.wait()
@@ -48,11 +48,11 @@ def test_unpaced_time_is_virtual_and_begins_now() -> None:
     assert clock.now() == 7
 
 
-def test_a_keeper_by_order_counts_periods_by_their_instants() -> None:
-    keeper = OrderedKeeper(50.0)
+def test_a_keeper_by_request_counts_periods_by_their_instants() -> None:
+    keeper = RequestedKeeper(50.0)
     numbers = []
     for ms in (1000, 1020, 1080, 1081, 2000):  # the fourth after whoever orders began anew
-        keeper.order(Instant(ms * 1_000_000))
+        keeper.request(Instant(ms * 1_000_000))
         assert keeper.choose() == keeper.sleep() == keeper.wait() == Instant(ms * 1_000_000)
         numbers.append(keeper.number)
     assert numbers == [0, 1, 4, 4, 50]

@@ -1,4 +1,4 @@
-"""Tracks are as sure as they say: normalized errors of simulated matches (NEES), and what calibration adds."""
+"""Covariances are consistent: normalized errors of simulated matches (NEES), and what calibration adds."""
 
 import math
 
@@ -20,12 +20,12 @@ START = Instant(5_000_000_000)
 RULES = SETTINGS.tracks
 MOTIONS = (RULES.robot_acceleration_m_s2, RULES.robot_turn_acceleration_rad_s2, RULES.ball_acceleration_m_s2)
 SD = (0.0005, 0.004, 0.002)
-"""Of the sightings' position, heading and ball [m, rad, m]; calibration comes on top."""
+"""Standard deviations of the sightings: position, heading, ball [m, rad, m], without the calibration's."""
 ADDED = (RULES.robot_noise_m, RULES.heading_noise_rad, RULES.ball_noise_m)
 
 
 class Walk:
-    """White-noise acceleration of several axes alike, as the tracker believes."""
+    """White-noise acceleration, the same on several axes: the tracker's own model."""
 
     def __init__(self, rng: np.random.Generator, axes: int, acceleration: float, t: float) -> None:
         density = density_from_acceleration(acceleration)
@@ -51,7 +51,7 @@ def normalized(world: World, place: Floats, heading: float, ball: Floats) -> tup
 
 @pytest.mark.parametrize("rate_hz", [10.0, 30.0, 200.0])
 @pytest.mark.parametrize("ahead_s", [0.0, 0.05])
-def test_errors_are_as_large_as_the_tracks_say(rate_hz: float, ahead_s: float) -> None:
+def test_errors_agree_with_the_covariances(rate_hz: float, ahead_s: float) -> None:
     # 50 ms ahead of the truth's next step the tracks are asked where the truth is then
     rng, squares, runs, frames = np.random.default_rng(3), [], 120, 20
     noises = [math.hypot(sd, added) for sd, added in zip(SD, ADDED, strict=True)]
@@ -78,7 +78,7 @@ def test_errors_are_as_large_as_the_tracks_say(rate_hz: float, ahead_s: float) -
     assert (np.abs(measured.mean(axis=0) - 1.0) < 4.0 * spread + 0.02).all(), (measured.mean(axis=0), spread)
 
 
-def test_a_surer_sighting_weighs_more() -> None:
+def test_a_sighting_of_smaller_variance_has_more_weight() -> None:
     def last_place(sd_m: float) -> float:
         tracker = Tracker(RULES, SETTINGS.robots)
         for frame in range(60):
@@ -93,7 +93,7 @@ def test_a_surer_sighting_weighs_more() -> None:
     assert places[-1] - places[-2] < 0.5 * 0.01  # calibration stays unsure however sharp the sighting is
 
 
-def test_a_start_is_as_sure_as_its_sighting_and_the_calibration() -> None:
+def test_a_new_track_has_the_variance_of_sighting_and_calibration() -> None:
     tracker = Tracker(RULES, SETTINGS.robots)
     robot = RobotSighting(Team.BLUE, 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.9, 0.004, 0.02)
     ball = BallSighting(0.0, 0.0, 0.0, 0.0, 0.9, 0.003)

@@ -1,4 +1,4 @@
-"""Obstacles appear with their second sighting, are predicted between their frames, and are never a robot."""
+"""Obstacles appear with their second sighting, are predicted between obstacle frames, and are never robots."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -19,9 +19,9 @@ from vision_core.venues.loader import load_settings
 SETTINGS = load_settings()
 VALIDITY_S = SETTINGS.tracks.obstacle_validity_ms / 1000.0
 START = Instant(5_000_000_000)
-Thing = tuple[float, float]
+Position = tuple[float, float]
 FRAMES_HZ, EVERY = 200.0, 20
-"""Frames, and how many of them there are to an obstacle frame: looks at 10 Hz."""
+"""Rate of the frames, of which every 20th is an obstacle frame (10 Hz)."""
 
 
 class Film:
@@ -32,21 +32,25 @@ class Film:
         self.at = START
 
     def show(
-        self, *things: Thing, robots: Sequence[RobotSighting] = (), told: bool = True, at: Instant | None = None
+        self,
+        *positions: Position,
+        robots: Sequence[RobotSighting] = (),
+        is_obstacle_frame: bool = True,
+        at: Instant | None = None,
     ) -> World:
-        """The next frame; told: it is an obstacle frame, too, or brings the one of an earlier instant."""
+        """The next frame. is_obstacle_frame: with obstacles, seen in this frame or (at) in an earlier one."""
         self.at = after(self.at, 0.01)
         seen = SightingsTable.of(Sightings("main", 1, self.at, self.at, tuple(robots), (), True))
-        table = obstacle_table(tuple(ObstacleSighting(0.0, 0.0, x, y, 0.08, 0.9) for x, y in things))
-        return self.tracker.update(seen, table if told else None, at).record()
+        table = obstacle_table(tuple(ObstacleSighting(0.0, 0.0, x, y, 0.08, 0.9) for x, y in positions))
+        return self.tracker.update(seen, table if is_obstacle_frame else None, at).record()
 
 
 def robot(x_m: float, y_m: float = 0.0, heading: float = 0.0, team: Team = Team.BLUE) -> RobotSighting:
     return RobotSighting(team, 1, 0.0, 0.0, x_m, y_m, heading, 0.9, 0.0, 0.0)
 
 
-def places(world: World) -> set[Thing]:
-    return {(round(thing.x_m, 3), round(thing.y_m, 3)) for thing in world.obstacles}
+def places(world: World) -> set[Position]:
+    return {(round(obstacle.x_m, 3), round(obstacle.y_m, 3)) for obstacle in world.obstacles}
 
 
 def test_an_obstacle_appears_with_its_second_sighting() -> None:
@@ -57,20 +61,20 @@ def test_an_obstacle_appears_with_its_second_sighting() -> None:
     assert (world.obstacles[0].radius_m, world.obstacles[0].seen) == (0.08, film.at)
 
 
-def test_what_flickers_here_and_there_is_none() -> None:
+def test_flicker_makes_no_obstacle() -> None:
     film = Film()
     for frame in range(20):
         assert places(film.show((1.0 * (frame % 2), 0.0))) == set()
 
 
-def test_it_stays_until_the_next_obstacle_frame_tells_otherwise() -> None:
+def test_it_stays_until_the_next_obstacle_frame() -> None:
     film = Film()
     film.show((0.5, 0.0))
     film.show((0.5, 0.0))
     for _ in range(20):
-        assert places(film.show(told=False)) == {(0.5, 0.0)}
-    (thing,) = film.show((0.7, 0.0)).obstacles
-    assert thing.x_m == pytest.approx(0.7, abs=0.002)
+        assert places(film.show(is_obstacle_frame=False)) == {(0.5, 0.0)}
+    (obstacle,) = film.show((0.7, 0.0)).obstacles
+    assert obstacle.x_m == pytest.approx(0.7, abs=0.002)
     assert places(film.show()) == set()
 
 
@@ -91,8 +95,8 @@ def test_an_obstacle_frame_that_is_given_again_counts_once() -> None:
         assert places(film.show((0.5, 0.0), at=first)) == set()
     second = after(film.at, -0.002)
     assert places(film.show((0.5, 0.0), at=second)) == {(0.5, 0.0)}
-    assert places(film.show((0.9, 0.0), at=first)) == {(0.5, 0.0)}  # late: not looked at
-    assert film.show(told=False).obstacles[0].seen == second
+    assert places(film.show((0.9, 0.0), at=first)) == {(0.5, 0.0)}  # late: ignored
+    assert film.show(is_obstacle_frame=False).obstacles[0].seen == second
 
 
 def test_a_robot_is_no_obstacle_and_none_beside_it_is_lost() -> None:
@@ -107,20 +111,20 @@ def test_a_robot_that_was_seen_late_leaves_no_ghost_when_it_drives_on() -> None:
     film = Film()
     for _ in range(3):
         film.show((0.0, 0.0))
-    assert places(film.show(robots=[robot(0.0)], told=False)) == set()
+    assert places(film.show(robots=[robot(0.0)], is_obstacle_frame=False)) == set()
     for _ in range(2):
         assert places(film.show((0.0, 0.0), robots=[robot(0.0)])) == set()
-    assert places(film.show(robots=[robot(0.15)], told=False)) == set()
+    assert places(film.show(robots=[robot(0.15)], is_obstacle_frame=False)) == set()
 
 
-def test_what_was_seen_earlier_is_compared_with_where_robots_were_then() -> None:
+def test_an_earlier_obstacle_frame_is_compared_with_the_robots_of_its_own_instant() -> None:
     film = Film()
     for frame in range(30):
-        world = film.show(robots=[robot(0.02 * frame)], told=False)
+        world = film.show(robots=[robot(0.02 * frame)], is_obstacle_frame=False)
     for _ in range(2):  # 2 m/s: an obstacle frame of 50 ms ago shows the robot 0.1 m behind
         x = world.robots[0].x_m - 0.10 + 0.02
         world = film.show((x, 0.0), robots=[robot(world.robots[0].x_m + 0.02)], at=after(film.at, -0.04))
-    film.show(robots=[robot(3.0)], told=False)
+    film.show(robots=[robot(3.0)], is_obstacle_frame=False)
     assert places(film.tracker.predict(film.at).record()) == set()
 
 
@@ -137,7 +141,7 @@ def test_two_that_cross_are_two() -> None:
     film = Film()
     film.show((0.0, 0.0), (0.2, 0.0))
     world = film.show((0.05, 0.0), (0.15, 0.0))
-    assert [thing.x_m for thing in world.obstacles] == pytest.approx([0.05, 0.15], abs=0.005)
+    assert [obstacle.x_m for obstacle in world.obstacles] == pytest.approx([0.05, 0.15], abs=0.005)
 
 
 def test_more_than_there_is_room_for_and_at_no_place() -> None:
@@ -147,22 +151,22 @@ def test_more_than_there_is_room_for_and_at_no_place() -> None:
     assert len(film.show(*crowd).obstacles) == MAX_OBSTACLES - 1
 
 
-def followed(path: Callable[[float], Thing], duration_s: float, noise_m: float = 0.0, seed: int = 1) -> Floats:
+def followed(path: Callable[[float], Position], duration_s: float, noise_m: float = 0.0, seed: int = 1) -> Floats:
     """Place, velocity and error of the only obstacle in every frame once it is there: rows t x y vx vy error [s, m].
 
-    path: where the thing is, by the time.
+    path: the obstacle's position as a function of time.
     """
     rng, tracker, rows = np.random.default_rng(seed), Tracker(SETTINGS.tracks, SETTINGS.robots), []
     for frame in range(round(duration_s * FRAMES_HZ)):
         t = frame / FRAMES_HZ
         at, there = after(START, t), np.array(path(t))
         x, y = (there + rng.normal(0.0, noise_m, 2)).tolist()
-        things = obstacle_table((ObstacleSighting(0.0, 0.0, x, y, 0.08, 0.9),))
+        positions = obstacle_table((ObstacleSighting(0.0, 0.0, x, y, 0.08, 0.9),))
         seen = SightingsTable.of(Sightings("main", frame, at, at, (), (), True))
-        world = tracker.update(seen, None if frame % EVERY else things).record()
-        for thing in world.obstacles:
-            error = math.dist(there, (thing.x_m, thing.y_m))
-            rows.append((t, thing.x_m, thing.y_m, thing.vx_m_s, thing.vy_m_s, error))
+        world = tracker.update(seen, None if frame % EVERY else positions).record()
+        for obstacle in world.obstacles:
+            error = math.dist(there, (obstacle.x_m, obstacle.y_m))
+            rows.append((t, obstacle.x_m, obstacle.y_m, obstacle.vx_m_s, obstacle.vy_m_s, error))
     return np.array(rows)
 
 
@@ -185,14 +189,14 @@ def test_what_rests_stays_at_rest() -> None:
 
 
 def test_what_starts_turns_and_stops_is_followed_from_its_next_looks_on() -> None:
-    def path(t: float) -> Thing:
+    def path(t: float) -> Position:
         """Stands, drives at 1 m/s, turns by a right angle, stands; each for a second."""
         return min(max(t - 1.0, 0.0), 1.0), min(max(t - 2.0, 0.0), 1.0)
 
     rows = followed(path, 4.0, 0.002)
     calm = (rows[:, 0] % 1.0) >= 0.3
     assert rows[calm][:, 5].max() < 0.02
-    assert rows[:, 5].max() < 0.15  # until the next look nobody knows that it turned
+    assert rows[:, 5].max() < 0.15  # the turn is visible in the next obstacle frame only
 
 
 def test_what_creeps_is_followed() -> None:
@@ -203,13 +207,13 @@ def test_what_creeps_is_followed() -> None:
 def test_no_obstacle_is_faster_than_anything_there() -> None:
     film = Film()
     film.show((0.0, 0.0))
-    (thing,) = film.show((0.2, 0.0)).obstacles  # 20 m/s
-    assert math.hypot(thing.vx_m_s, thing.vy_m_s) <= 3.0 + 1e-9
+    (obstacle,) = film.show((0.2, 0.0)).obstacles  # 20 m/s
+    assert math.hypot(obstacle.vx_m_s, obstacle.vy_m_s) <= 3.0 + 1e-9
 
 
 def test_it_is_told_where_it_will_be() -> None:
     film = Film()
     for step in range(20):
         film.show((0.02 * step, 0.0))
-    (thing,) = film.tracker.predict(after(film.at, 0.1)).record().obstacles
-    assert (thing.x_m, thing.y_m) == pytest.approx((0.02 * 19 + 0.2, 0.0), abs=0.01)
+    (obstacle,) = film.tracker.predict(after(film.at, 0.1)).record().obstacles
+    assert (obstacle.x_m, obstacle.y_m) == pytest.approx((0.02 * 19 + 0.2, 0.0), abs=0.01)

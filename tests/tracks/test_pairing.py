@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vision_core.tracks.pairing import pair_nearest, reach_m2
-from vision_core.tracks.state import rules_from, state_of_nothing
+from vision_core.tracks.pairing import pair_nearest, squared_gate
+from vision_core.tracks.state import empty_state, parameters_from
 from vision_core.types.tables import NO_ID, SightingsTable
 from vision_core.venues.loader import load_settings
 
 SETTINGS = load_settings()
-RULES = rules_from(SETTINGS.tracks, SETTINGS.robots)
+PARAMETERS = parameters_from(SETTINGS.tracks, SETTINGS.robots)
 GATE_M = SETTINGS.tracks.gate_m
-STATE, SEEN = state_of_nothing(), SightingsTable()
+STATE, SEEN = empty_state(), SightingsTable()
 
 Places = list[tuple[float, float, int, int]]
 PLACES = st.lists(
@@ -23,27 +23,32 @@ PLACES = st.lists(
 )
 
 
-def pairs_of(places: Places, found: Places, *, by_name: bool) -> list[tuple[int, int]]:
-    """Of predictions and sightings (x, y, team, id), all as sure as can be."""
-    lives, sightings = STATE[0]["robots"], SEEN.robots
-    lives[:] = 0
+def pairs_of(places: Places, found: Places, *, by_id: bool) -> list[tuple[int, int]]:
+    """Of predictions and sightings (x, y, team, id), all without variance."""
+    tracks, sightings = STATE[0]["robots"], SEEN.robots
+    tracks[:] = 0
     for row, (x, y, team, marker) in enumerate(places):
-        lives[row]["ahead_x_m"], lives[row]["ahead_y_m"], lives[row]["team"], lives[row]["id"] = x, y, team, marker
+        tracks[row]["predicted_x_m"], tracks[row]["predicted_y_m"], tracks[row]["team"], tracks[row]["id"] = (
+            x,
+            y,
+            team,
+            marker,
+        )
     for column, (x, y, team, marker) in enumerate(found):
         sightings[column]["x_m"], sightings[column]["y_m"] = x, y
         sightings[column]["team"], sightings[column]["id"] = team, marker
     STATE["taken"] = 0
-    count = pair_nearest(RULES[0], STATE[0], len(places), sightings, len(found), 0, by_name)
+    count = pair_nearest(PARAMETERS[0], STATE[0], len(places), sightings, len(found), 0, by_id)
     return [(row, column) for row, column in STATE[0]["pairs"][:count].tolist()]
 
 
 @settings(deadline=None)  # the first call loads or compiles the kernel
 @given(PLACES, PLACES, st.booleans())
-def test_pairs_are_one_to_one_within_reach_and_none_is_missed(places: Places, found: Places, by_name: bool) -> None:
-    pairs = pairs_of(places, found, by_name=by_name)
+def test_pairs_are_one_to_one_within_the_gate_and_none_is_missed(places: Places, found: Places, by_id: bool) -> None:
+    pairs = pairs_of(places, found, by_id=by_id)
 
     def fits(i: int, j: int) -> bool:
-        same = places[i][3] == found[j][3] != NO_ID or not by_name
+        same = places[i][3] == found[j][3] != NO_ID or not by_id
         return same and places[i][2] == found[j][2] and math.dist(places[i][:2], found[j][:2]) <= GATE_M * (1.0 - 1e-9)
 
     rows, columns = {row for row, _ in pairs}, {column for _, column in pairs}
@@ -58,12 +63,12 @@ def test_pairs_are_one_to_one_within_reach_and_none_is_missed(places: Places, fo
 def test_a_sure_pair_is_not_moved_to_make_room() -> None:
     # predictions at 0 and 0.2, sightings at 0.2 and 0.38: the least total distance would be 0.2 + 0.18
     places, found = [(0.0, 0.0, 0, 0), (0.2, 0.0, 0, 0)], [(0.2, 0.0, 0, 0), (0.38, 0.0, 0, 0)]
-    assert pairs_of(places, found, by_name=False) == [(1, 0)]
+    assert pairs_of(places, found, by_id=False) == [(1, 0)]
 
 
 def test_gates_are_metric_where_sure_and_statistical_where_not() -> None:
-    assert math.sqrt(reach_m2(1e-6, 0.25)) == pytest.approx(0.25)
-    assert math.sqrt(reach_m2(0.04, 0.25)) == pytest.approx(0.6)
+    assert math.sqrt(squared_gate(1e-6, 0.25)) == pytest.approx(0.25)
+    assert math.sqrt(squared_gate(0.04, 0.25)) == pytest.approx(0.6)
 
 
 def test_the_nearest_pairs_are_those_of_a_sorted_list() -> None:
@@ -76,4 +81,4 @@ def test_the_nearest_pairs_are_those_of_a_sorted_list() -> None:
         for (i, j), distance in sorted(distances.items(), key=lambda item: item[1]):
             if distance <= GATE_M and all(i != row and j != column for row, column in expected):
                 expected.append((i, j))
-        assert pairs_of(places, found, by_name=False) == expected
+        assert pairs_of(places, found, by_id=False) == expected

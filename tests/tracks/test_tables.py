@@ -4,7 +4,7 @@ import tracemalloc
 from typing import Any
 
 from vision_core.clock import Instant, after
-from vision_core.tracks.tracker import Tracker, follow, tell
+from vision_core.tracks.tracker import Tracker, update_tracks, write_world
 from vision_core.types.objects import BallSighting, ObstacleSighting, RobotSighting, Sightings, Team
 from vision_core.types.tables import SightingsTable, obstacle_table
 from vision_core.venues.loader import load_settings
@@ -36,13 +36,13 @@ def test_every_call_returns_the_trackers_own_table() -> None:
 
 def test_kernels_are_compiled_once() -> None:
     tracker = Tracker(SETTINGS.tracks, SETTINGS.robots)
-    things = obstacle_table((ObstacleSighting(0.0, 0.0, 2.0, 0.0, 0.1, 0.9),))
-    things.setflags(write=False)
+    obstacles = obstacle_table((ObstacleSighting(0.0, 0.0, 2.0, 0.0, 0.1, 0.9),))
+    obstacles.setflags(write=False)
     tracker.update(table(1))
-    tracker.update(table(2), things)
-    tracker.update(SightingsTable(bytes(table(3).bytes)), things, after(START, 0.012))
+    tracker.update(table(2), obstacles)
+    tracker.update(SightingsTable(bytes(table(3).bytes)), obstacles, after(START, 0.012))
     tracker.predict(START)
-    kernels: tuple[Any, ...] = (follow, tell)
+    kernels: tuple[Any, ...] = (update_tracks, write_world)
     assert [len(kernel.signatures) for kernel in kernels] == [1, 1]
 
 

@@ -112,7 +112,7 @@ def test_headings_wrap_without_a_swing() -> None:
         assert abs(math.remainder(track.heading_rad - heading, math.tau)) < 0.01
 
 
-def test_a_heading_that_is_not_seen_is_predicted_and_less_sure() -> None:
+def test_a_heading_that_is_not_seen_is_predicted_and_less_certain() -> None:
     film = Film()
     for _ in range(30):
         never = only(film.show(robot(None, 0.0, 0.0, None)))
@@ -152,7 +152,7 @@ def test_prediction_holds_nothing_older_than_its_validity() -> None:
         assert (len(world.robots), world.ball is not None) == (robots, has_ball)
 
 
-def test_robots_are_ordered_by_team_and_id_the_nameless_last() -> None:
+def test_robots_are_ordered_by_team_and_id_those_without_an_id_last() -> None:
     film = Film()
     world = film.show(
         robot(2, 0.0, team=YELLOW), robot(None, 1.0), robot(7, 2.0), robot(0, 3.0), robot(None, 4.0, team=YELLOW)
@@ -160,7 +160,7 @@ def test_robots_are_ordered_by_team_and_id_the_nameless_last() -> None:
     assert [(t.team, t.id) for t in world.robots] == [(BLUE, 0), (BLUE, 7), (BLUE, None), (YELLOW, 2), (YELLOW, None)]
 
 
-def test_an_unread_id_is_kept_by_place() -> None:
+def test_an_unread_id_is_kept_by_position() -> None:
     film = Film()
     film.show(robot(1, 0.0), robot(2, 0.5), robot(2, 0.0, 0.5, team=YELLOW))
     world = film.show(robot(None, 0.5), robot(None, 0.0), robot(None, 0.0, 0.5, team=YELLOW))
@@ -168,14 +168,14 @@ def test_an_unread_id_is_kept_by_place() -> None:
     assert all(track.seen == world.at for track in world.robots)
 
 
-def test_a_nameless_robot_is_continued_and_later_named() -> None:
+def test_a_robot_without_an_id_is_continued_and_gets_its_id_later() -> None:
     film = Film()
     film.show(robot(None, 0.0))
     assert places(film.show(robot(None, 0.05))) == {(BLUE, None): 0.05}
     assert places(film.show(robot(4, 0.1))) == {(BLUE, 4): 0.1}
 
 
-def test_a_nameless_robot_of_one_frame_is_gone_in_the_next() -> None:
+def test_a_robot_without_an_id_of_one_frame_is_gone_in_the_next() -> None:
     film = Film()
     assert len(film.show(robot(1, 0.0), robot(None, 1.0)).robots) == 2
     assert places(film.show(robot(1, 0.0))) == {(BLUE, 1): 0.0}
@@ -189,7 +189,7 @@ def test_one_false_reading_far_away_moves_no_robot() -> None:
     assert places(film.show(robot(1, 0.0))) == {(BLUE, 1): 0.0}
 
 
-def test_a_jump_is_believed_when_a_second_sighting_confirms_it() -> None:
+def test_a_jump_is_accepted_when_a_second_sighting_confirms_it() -> None:
     film = Film()
     film.show_for(0.2, robot(1, 0.0))
     film.show(robot(1, 1.0))
@@ -205,7 +205,7 @@ def test_two_false_readings_at_different_places_move_no_robot() -> None:
     assert places(film.show(robot(1, -1.0)))[BLUE, 1] == 0.0
 
 
-def test_two_robots_with_one_marker_keep_their_names_apart() -> None:
+def test_two_robots_with_one_marker_do_not_exchange_their_ids() -> None:
     film = Film()
     film.show(robot(1, 0.0))
     for _ in range(10):
@@ -215,13 +215,13 @@ def test_two_robots_with_one_marker_keep_their_names_apart() -> None:
     assert places(film.show(robot(1, 0.0), robot(1, 1.0))) == {(BLUE, 1): 0.0, (BLUE, None): 1.0}
 
 
-def test_when_the_holder_of_a_name_has_gone_its_double_gets_it() -> None:
+def test_when_the_owner_of_an_id_is_gone_its_double_gets_it() -> None:
     film = Film()
     film.show_for(0.2, robot(1, 0.0), robot(1, 1.0))
     assert places(film.show_for(0.3, robot(1, 1.0))) == {(BLUE, 1): 1.0}
 
 
-def test_when_a_name_moves_on_the_nameless_around_are_not_touched() -> None:
+def test_when_an_id_moves_tracks_without_an_id_are_not_touched() -> None:
     film = Film()
     others = (robot(None, -0.6), robot(None, -0.3))
     film.show(*others, robot(3, 0.0))
@@ -230,7 +230,7 @@ def test_when_a_name_moves_on_the_nameless_around_are_not_touched() -> None:
     assert len(film.world.robots) == 3
 
 
-def test_a_flicker_of_false_robots_stays_bounded_and_pushes_no_name_out() -> None:
+def test_a_flicker_of_false_robots_stays_bounded_and_removes_no_id() -> None:
     film = Film()
     film.show(robot(3, 0.0, 2.0), robot(4, 0.5, 2.0))
     for frame in range(7):
@@ -326,7 +326,7 @@ def test_a_hidden_ball_is_predicted_then_gone() -> None:
     assert film.show().ball is None  # 510 ms
 
 
-def test_a_ball_elsewhere_is_believed_in_its_second_frame() -> None:
+def test_a_ball_elsewhere_is_accepted_in_its_second_frame() -> None:
     film = Film()
     film.show_for(0.2, ball(0.0))
     world = film.show(ball(1.0))

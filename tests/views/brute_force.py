@@ -1,4 +1,4 @@
-"""The rules of views.md a second time: slow, and made so that one sees it is right.
+"""The rules of ``vision_core.views`` a second time: slow, and simple enough to be checked by reading.
 
 On purpose by other means than the product. The world is moved and turned until the observer stands at the
 origin and the ray is the x axis. A circle is met at a root of its quadratic equation; a square where the ray has
@@ -17,7 +17,7 @@ from vision_core.geometry import Floats
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything around one observer, in field space [m]."""
+    """Everything around one viewer, in field space [m]."""
 
     x: float
     y: float
@@ -39,7 +39,7 @@ class Scene:
 
 
 def holding(scene: Scene) -> NDArray[np.bool_]:
-    """Which outlines hold the observer's center, shape (c,)."""
+    """Which outlines contain the viewer's center, shape (c,)."""
     offsets = scene.robots - (scene.x, scene.y)
     along, aside = _turned(offsets, scene.headings)
     inside_square = np.maximum(abs(along), abs(aside)) <= scene.radii
@@ -52,7 +52,7 @@ def meets_bodies(angles: Floats, scene: Scene) -> Floats:
 
 
 def meets_squares(angles: Floats, scene: Scene) -> Floats:
-    """Distance of each ray to each square, shape (n, c); nonsense for circles."""
+    """Distance of each ray to each square, shape (n, c); meaningless for circles."""
     x, y = _turned((scene.x, scene.y) - scene.robots, scene.headings)
     turned = angles[:, None] - scene.headings
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,4 +1,4 @@
-"""Worlds to look at: made by hand, or at random with everything in them that views.md has a rule for."""
+"""Worlds to render: made by hand, or at random with every case that ``vision_core.views`` has a rule for."""
 
 import dataclasses
 import math
@@ -13,7 +13,7 @@ from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
 from vision_core.types.views import RobotView
 from vision_core.venues.loader import load_settings
-from vision_core.views.renderer import Eyes, viewer_of
+from vision_core.views.renderer import ViewRenderer, viewer_index
 
 SETTINGS = load_settings()
 AT = Instant(1_000_000_000)
@@ -50,24 +50,24 @@ def world(*robots: RobotTrack, ball: BallTrack | None = None) -> World:
 
 
 def obstacle(x_m: float, y_m: float, radius_m: float) -> ObstacleTrack:
-    """A thing at rest that nobody knows."""
+    """An obstacle at rest."""
     return ObstacleTrack(x_m, y_m, 0.0, 0.0, radius_m, AT)
 
 
 class Observer:
-    """Looks at one world after the other through one robot's eyes."""
+    """Renders the views of one world after the other."""
 
     def __init__(self, field: FieldSettings, settings: Settings = SETTINGS) -> None:
-        self.eyes = Eyes(replace(settings, field=field))
+        self.renderer = ViewRenderer(replace(settings, field=field))
 
     def observe(self, world: World, team: Team, number: int, rays: int = 360) -> RobotView | None:
         """The view of a team's number with so many rays; None when it is not in the world."""
-        self.eyes.sight.rays[:] = 360
+        self.renderer.buffers.rays[:] = 360
         if 1 <= number <= 16:
-            self.eyes.sight.rays[viewer_of(team, number)] = rays
+            self.renderer.buffers.rays[viewer_index(team, number)] = rays
         table = WorldTable.of(world)
-        self.eyes.look(table)
-        return self.eyes.view(table, team, number)
+        self.renderer.render(table)
+        return self.renderer.view(table, team, number)
 
 
 def with_squares(settings: Settings = SETTINGS) -> Settings:
@@ -78,8 +78,8 @@ def with_squares(settings: Settings = SETTINGS) -> Settings:
 
 
 def random_world(rng: np.random.Generator, field: FieldSettings) -> World:
-    """Blue 1 and up to 11 others: some in contact with it, overlapping it, outside, nameless, of unknown heading; up to
-    3 obstacles; a ball anywhere, near, under it, behind or beside another robot."""
+    """Blue 1 and up to 11 others: some in contact with it, overlapping it, outside, without an id, of unknown heading;
+    up to 3 obstacles; a ball anywhere, near, under it, behind or beside another robot."""
     reach = (field.length_m / 2.0 + 0.4, field.width_m / 2.0 + 0.4)
     own = robot(Team.BLUE, 1, *_place(rng, reach), rng.uniform(-math.pi, math.pi))
     robots = [own]

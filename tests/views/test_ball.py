@@ -1,4 +1,7 @@
-"""One drawing per rule of views.md for the ball. Field ssl-2002 unless said; robots of radius 0.09, ball 0.02135."""
+"""One drawing per rule of ``vision_core.views`` for the ball.
+
+Field ssl-2002 unless said; robots of radius 0.09, ball 0.02135.
+"""
 
 import dataclasses
 import math
@@ -58,7 +61,7 @@ def test_a_ball_behind_a_robot_is_hidden_and_before_it_is_not() -> None:
     assert not view.partial
 
 
-def test_a_ball_half_behind_a_robot_is_partial_and_described_whole() -> None:
+def test_a_ball_half_behind_a_robot_is_partial_with_its_full_size() -> None:
     # the robot's rim at asin(0.09 / 0.5) goes through the ball's center
     rim = math.asin(0.09 / 0.5)
     view = seen(0.9 * math.cos(rim), 0.9 * math.sin(rim), robot(Team.YELLOW, 1, 0.5, 0.0))
@@ -95,7 +98,7 @@ def test_a_gap_between_two_robots_shows_the_ball() -> None:
     assert view.partial
 
 
-def test_a_dribbled_ball_is_not_hidden_by_the_own_body() -> None:
+def test_a_dribbled_ball_is_not_hidden_by_the_own_outline() -> None:
     view = seen(0.085, 0.0)
     assert view is not None
     assert not view.partial
@@ -103,7 +106,7 @@ def test_a_dribbled_ball_is_not_hidden_by_the_own_body() -> None:
 
 
 @pytest.mark.parametrize("distance", [0.0, 0.01, BALL_RADIUS])
-def test_a_ball_under_us_spans_half_a_turn(distance: float) -> None:
+def test_a_ball_under_the_viewer_spans_half_a_turn(distance: float) -> None:
     view = seen(distance, 0.0)
     assert view is not None
     assert view.size_deg == 180.0
@@ -131,7 +134,7 @@ def test_a_goals_side_hides_from_outside_and_its_mouth_is_open() -> None:
     assert before.ball is not None
 
 
-def test_a_ball_touching_the_wall_before_which_it_lies_is_whole() -> None:
+def test_a_ball_that_touches_a_wall_is_wholly_visible() -> None:
     view = seen(0.2, 1.15 - BALL_RADIUS)
     assert view is not None
     assert not view.partial

@@ -1,5 +1,8 @@
-"""One drawing per rule of views.md for the edges. Field ssl-2002 unless said: walls at x = +-1.4 and y = +-1.15,
-goals 0.6 wide and 0.18 deep behind their mouths in the walls; robots of radius 0.09."""
+"""One drawing per rule of ``vision_core.views`` for the edges.
+
+Field ssl-2002 unless said: walls at x = +-1.4 and y = +-1.15, goals 0.6 wide and 0.18 deep behind their mouths in the
+walls; robots of radius 0.09.
+"""
 
 import dataclasses
 import math
@@ -10,7 +13,7 @@ from msgspec.structs import replace
 
 from tests.views.scenes import AT, SETTINGS, Observer, fields, obstacle, robot, with_squares, world
 from vision_core.settings.schema import FieldSettings, ViewSettings
-from vision_core.types.field import EdgeKind
+from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tracks import World
 from vision_core.types.views import RobotView
@@ -52,7 +55,7 @@ def test_direction_i_is_i_degrees_anticlockwise_from_the_heading() -> None:
     assert edge(view, 270) == (1.58, EdgeKind.GOAL_YELLOW)
 
 
-def test_goals_belong_to_who_defends_them_and_follow_a_change_of_sides() -> None:
+def test_goals_belong_to_the_team_that_defends_them_and_follow_a_change_of_sides() -> None:
     s = SETTINGS
     changed = Observer(FIELDS["walls"], replace(s, match=replace(s.match, blue_defends="right")))
     view = view_of(world(robot(Team.BLUE, 1, 0.0, 0.0)), changed)
@@ -94,7 +97,7 @@ def test_of_two_robots_the_nearer_one_is_the_edge() -> None:
         assert edge(view_of(world(*order)), 0) == (0.31, EdgeKind.ROBOT_BLUE + 2)
 
 
-def test_the_own_body_is_no_edge() -> None:
+def test_the_own_outline_is_no_edge() -> None:
     view = view_of(world(robot(Team.BLUE, 1, 0.3, 0.2)))
     assert set(view.kinds.tolist()) == {EdgeKind.WALL, EdgeKind.GOAL_BLUE, EdgeKind.GOAL_YELLOW}
 
@@ -102,17 +105,17 @@ def test_the_own_body_is_no_edge() -> None:
 def test_kinds_are_numbers_by_the_map_of_the_match() -> None:
     s = SETTINGS
     match = replace(s.match, blue_ids=(11, 7, 0), yellow_ids=(5, 6), numbers=2)
-    eye = Observer(FIELDS["walls"], replace(s, match=match))
+    observer = Observer(FIELDS["walls"], replace(s, match=match))
     robots = [robot(Team.BLUE, 11, 0.0, 0.0)]
     others = [(Team.BLUE, 7), (Team.BLUE, 0), (Team.BLUE, None), (Team.BLUE, 1), (Team.YELLOW, 6), (Team.YELLOW, None)]
     for k, (team, marker) in enumerate(others):
         robots.append(robot(team, marker, 0.8 * math.cos(k), 0.8 * math.sin(k)))
-    view = eye.observe(world(*robots), Team.BLUE, 1)
+    view = observer.observe(world(*robots), Team.BLUE, 1)
     assert view is not None
     blue, yellow = EdgeKind.ROBOT_BLUE, EdgeKind.ROBOT_YELLOW
     directions = np.degrees(np.arange(len(others))).round().astype(int)
     assert view.kinds[directions].tolist() == [blue + 2, blue + 3, blue, blue, yellow + 2, yellow]
-    assert eye.observe(world(*robots), Team.BLUE, 3) is None  # connected are numbers 1 and 2 alone
+    assert observer.observe(world(*robots), Team.BLUE, 3) is None  # connected are numbers 1 and 2 alone
 
 
 @pytest.mark.parametrize(("team", "number"), [(Team.BLUE, 2), (Team.YELLOW, 1), (Team.BLUE, 0), (Team.BLUE, 17)])
@@ -121,9 +124,9 @@ def test_a_robot_that_is_not_in_the_world_has_no_view(team: Team, number: int) -
     assert WALLED.observe(here, team, number) is None
 
 
-def test_number_sixteen_wears_id_zero() -> None:
-    everybody = Observer(FIELDS["walls"], replace(SETTINGS, match=replace(SETTINGS.match, numbers=16)))
-    view = view_of(world(robot(Team.YELLOW, 0, 0.0, 0.0)), everybody, Team.YELLOW, 16)
+def test_number_sixteen_has_id_zero() -> None:
+    full_teams = Observer(FIELDS["walls"], replace(SETTINGS, match=replace(SETTINGS.match, numbers=16)))
+    view = view_of(world(robot(Team.YELLOW, 0, 0.0, 0.0)), full_teams, Team.YELLOW, 16)
     assert (view.team, view.number) == (Team.YELLOW, 16)
 
 
@@ -145,7 +148,7 @@ def test_robots_in_contact_are_seen_at_r_min() -> None:
 
 
 @pytest.mark.parametrize("distance", [0.0, 1e-300, 0.05, 0.09])
-def test_a_robot_over_our_center_is_all_round(distance: float) -> None:
+def test_a_robot_over_the_center_is_all_round(distance: float) -> None:
     here = world(robot(Team.BLUE, 1, 0.0, 0.0), robot(Team.YELLOW, 2, distance, 0.0), robot(Team.BLUE, 3, 0.3, 0.0))
     view = view_of(here)
     assert view.overlap
@@ -153,7 +156,7 @@ def test_a_robot_over_our_center_is_all_round(distance: float) -> None:
     assert set(view.kinds.tolist()) == {EdgeKind.ROBOT_YELLOW + 2}
 
 
-def test_of_two_robots_over_our_center_it_is_the_nearer_one() -> None:
+def test_of_two_robots_over_the_center_it_is_the_nearer_one() -> None:
     own = robot(Team.BLUE, 1, 0.0, 0.0)
     view = view_of(world(own, robot(Team.YELLOW, 2, 0.08, 0.0), robot(Team.YELLOW, 4, 0.0, -0.06)))
     assert set(view.kinds.tolist()) == {EdgeKind.ROBOT_YELLOW + 4}
@@ -217,19 +220,19 @@ def test_finer_rays_are_computed_and_every_so_many_th_is_the_coarse_one() -> Non
 
 @pytest.mark.parametrize("field", list(FIELDS.values()), ids=list(FIELDS))
 def test_no_ray_slips_through_a_corner(field: FieldSettings) -> None:
-    eye = Observer(field)
+    observer = Observer(field)
     corners = [math.atan2(1.15, 1.4), math.atan2(0.3, 1.4), math.atan2(0.3, 1.58), math.atan2(1.48, 1.98)]
     for x in np.linspace(-1.3, 1.3, 14):
         for y in np.linspace(-0.95, 0.95, 10):
             for heading in (0.0, *corners, *(math.pi - corner for corner in corners)):
-                view = eye.observe(world(robot(Team.BLUE, 1, float(x), float(y), heading)), Team.BLUE, 1)
+                view = observer.observe(world(robot(Team.BLUE, 1, float(x), float(y), heading)), Team.BLUE, 1)
                 assert view is not None
                 assert np.isfinite(view.distances_m).all()
 
 
 @pytest.mark.parametrize(("x", "y"), [(1.4, 1.15), (0.2, 1.15), (-1.4, 0.5), (1.4, -0.3), (1.49, 0.3)])
 def test_standing_on_a_wall_or_a_post_it_is_at_r_min(x: float, y: float) -> None:
-    """There the angles of its ends tell nothing."""
+    """There the angles of its ends are too inaccurate."""
     view = view_of(world(robot(Team.BLUE, 1, x, y)))
     assert np.isfinite(view.distances_m).all()
     assert view.distances_m.min() == 0.09
@@ -266,7 +269,7 @@ def test_a_square_of_unknown_heading_is_the_circle_inside() -> None:
     assert int((view.kinds == EdgeKind.ROBOT_YELLOW + 2).sum()) == 25  # asin(0.11 / 0.5) = 12.7 degrees
 
 
-def test_a_squares_corner_over_our_center_is_all_round() -> None:
+def test_a_squares_corner_over_the_center_is_all_round() -> None:
     near = robot(Team.YELLOW, 2, 0.1, 0.1)
     assert view_of(world(robot(Team.BLUE, 1, 0.0, 0.0), near), SQUARES).overlap
     turned = dataclasses.replace(near, heading_rad=math.pi / 4)
@@ -278,7 +281,7 @@ def test_r_min_is_the_own_radius() -> None:
     assert edge(view_of(here, SQUARES, Team.YELLOW), 90) == (0.11, EdgeKind.WALL)
 
 
-def test_what_is_handed_out_cannot_be_changed() -> None:
+def test_the_arrays_of_a_view_are_read_only() -> None:
     view = view_of(world(robot(Team.BLUE, 1, 0.0, 0.0)))
     for array in (view.distances_m, view.kinds):
         with pytest.raises(ValueError, match="read-only"):

@@ -1,4 +1,4 @@
-"""Every rule of views.md at once: the product against `brute_force` on random worlds."""
+"""All rules of ``vision_core.views`` at once: compiled code against `brute_force` on random worlds."""
 
 import math
 from collections import Counter
@@ -11,7 +11,7 @@ from tests.views.scenes import BALL_RADIUS, Observer, fields, random_world, with
 from vision_core.models.field import accepted_half_extent, field_segments
 from vision_core.models.from_settings import robots_of
 from vision_core.settings.schema import FieldSettings
-from vision_core.types.field import EdgeKind
+from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tracks import World
 
@@ -50,7 +50,7 @@ def scene_of(world: World, field: FieldSettings) -> brute_force.Scene:
 
 
 def check_ball(world: World, scene: brute_force.Scene, partial: bool | None) -> str:
-    """Does brute force find the same? partial: None for hidden. Returns what it is."""
+    """Assert that brute force agrees. Returns what it finds; partial: None for hidden."""
     assert world.ball is not None
     place = (world.ball.x_m, world.ball.y_m)
     expected = {None: "hidden", True: "partial", False: "whole"}[partial]
@@ -64,7 +64,7 @@ def check_ball(world: World, scene: brute_force.Scene, partial: bool | None) -> 
 
 
 def compare(count: int, seed: int) -> Counter[str]:
-    """Compare so many worlds on each kind of field in turn; what came up, counted."""
+    """Compare so many worlds, on each kind of field in turn; how often each case occurred."""
     rng = np.random.default_rng(seed)
     kinds = list(fields().values())
     observers = [Observer(field, SETTINGS) for field in kinds]

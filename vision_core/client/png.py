@@ -1,4 +1,4 @@
-"""Writes PNG files (ISO/IEC 15948) with the standard library, for the client, which has no OpenCV."""
+"""PNG files (ISO/IEC 15948) with NumPy and the standard library: the client has no OpenCV."""
 
 import struct
 import zlib
@@ -15,7 +15,7 @@ RGB_8_BITS = (8, 2, 0, 0, 0)
 
 
 def png_from_rgb(rgb: Bytes) -> bytes:
-    """A picture as the bytes of a PNG file. rgb: red green blue, shape (height, width, 3)."""
+    """The bytes of a picture's PNG file. rgb: red green blue, shape (height, width, 3)."""
     height, width, _ = rgb.shape
     rows = np.zeros((height, 1 + width * 3), dtype=np.uint8)  # each row begins with its filter: 0, none
     rows[:, 1:] = rgb.reshape(height, -1)
@@ -25,7 +25,7 @@ def png_from_rgb(rgb: Bytes) -> bytes:
 
 
 def write_png(path: Path, rgb: Bytes) -> None:
-    """Save a picture, red green blue, shape (height, width, 3). Raises SourceError."""
+    """Save a picture, red green blue, shape (height, width, 3). Raises SourceError when the file cannot be written."""
     try:
         path.write_bytes(png_from_rgb(rgb))
     except OSError as error:

@@ -4,10 +4,10 @@ Spaces: *image*, pixels, origin at the center of the top left pixel, x right, y 
 ``geometry``; z up from the floor. *Camera*: origin at the optical center, x right and y down in the
 image, z along the optical axis; metres.
 
-Both models know the floor and where the optical center stands. Every other height follows from
-these two: the point at height h on the ray from the optical center (c, H) to the floor point p is
-p + (c - p) h / H. So a marker 150 mm high, 1.4 m off axis under a camera at 4 m, would be taken
-54 mm too far out if its height were forgotten.
+Both models map between the image and the floor, and have the position of the optical center. All other heights follow
+from these two: the point at height h on the ray from the optical center (c, H) to the floor point p is
+p + (c - p) h / H. Example: a marker 150 mm high, 1.4 m off axis under a camera at 4 m, would be placed
+54 mm too far out if its height were ignored.
 """
 
 import math
@@ -22,7 +22,7 @@ from vision_core.geometry import Floats, frozen
 UNDISTORT_STEPS = 60
 UNDISTORT_TOLERANCE = 1e-12
 STEP_M = 1e-3
-"""Over which the image's scale is measured."""
+"""Step of the finite differences that measure the image's scale."""
 
 
 class CameraModel(ABC):
@@ -35,14 +35,14 @@ class CameraModel(ABC):
     def field_from_pixel(self, pixels: Floats, height_m: float = 0.0) -> Floats:
         """Where the rays through pixels cross the plane at a height.
 
-        pixels: shape (n, 2) [px]; returns shape (n, 2) [m]; nan for a ray that never gets there.
+        pixels: shape (n, 2) [px]; returns shape (n, 2) [m]; nan for a ray that does not reach the plane.
         """
         floor = self._floor_from_pixel(np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
         above: Floats = floor + (self.position_m[:2] - floor) * (height_m / self.position_m[2])
         return above
 
     def pixel_from_field(self, points: Floats, height_m: float | Floats = 0.0) -> Floats:
-        """Where points of the field at a height are seen.
+        """The pixels at which points of the field at a height are seen.
 
         points: shape (n, 2) [m]; height_m: one height or shape (n,); returns shape (n, 2) [px].
         """
@@ -51,7 +51,7 @@ class CameraModel(ABC):
         return self._pixel_from_floor((above - self.position_m[:2] * share) / (1.0 - share))
 
     def pixels_per_metre(self, point_m: Sequence[float], height_m: float = 0.0) -> float:
-        """Scale of the image at a point of the field [px/m]: root of the area a square metre covers."""
+        """Scale of the image at a point of the field [px/m]: square root of the area that a square metre covers."""
         return math.sqrt(self.pixels_per_square_metre(np.array([point_m]), height_m)[0])
 
     def pixels_per_square_metre(self, points: Floats, height_m: float = 0.0) -> Floats:
@@ -136,9 +136,9 @@ class PinholeCamera(CameraModel):
 
 
 class HomographyCamera(CameraModel):
-    """A plane-to-plane map from four named points of the floor, for a venue without a calibrated lens.
+    """A plane-to-plane map from four or more named points of the floor, for a venue without a calibrated lens.
 
-    The camera's position must come from a tape measure: four points of one plane do not tell it.
+    The camera's position must be measured with a tape: points of one plane do not determine it.
     """
 
     def __init__(self, pixels: Floats, points_m: Floats, position_m: Sequence[float]) -> None:
@@ -177,7 +177,7 @@ def homography(source: Floats, target: Floats) -> Floats:
 
 
 def _normalized(points: Floats) -> tuple[Floats, Floats]:
-    """Points moved to mean 0 and scaled to spread 1, and the matrix that did it."""
+    """Points shifted to mean 0 and scaled to mean deviation 1, and the matrix that does so."""
     mean = points.mean(axis=0)
     scale = 1.0 / max(float(np.abs(points - mean).mean()), 1e-12)
     matrix = np.array([[scale, 0.0, -scale * mean[0]], [0.0, scale, -scale * mean[1]], [0.0, 0.0, 1.0]])

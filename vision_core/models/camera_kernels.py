@@ -1,7 +1,8 @@
-"""The camera models for compiled code: one form for both, point by point, without arrays.
+"""The camera models in compiled code: one form for both, for one point at a time.
 
-A pinhole with a lens is a homography, too, once the lens is undone: plane of the lens -> floor. A camera of four
-named points is the same with a lens that does nothing. ``camera_model`` is the reference that this is tested against.
+A pinhole camera is a homography, undistorted plane of the lens -> floor, behind a lens distortion. A camera from named
+points is the same homography behind a lens without distortion. ``models.camera`` is the readable reference; a test
+compares the two.
 """
 
 from typing import NamedTuple
@@ -13,28 +14,28 @@ from vision_core.models.camera import STEP_M, CameraModel, HomographyCamera, Pin
 from vision_core.native.kernels import kernel
 
 NEWTON_STEPS = 20
-"""A lens of a ceiling camera needs three or four."""
+"""At most; the lens of a ceiling camera needs three or four."""
 NEWTON_TOLERANCE = 1e-7
-"""In focal lengths: the step taken after an error this small leaves its square."""
+"""In focal lengths. Newton's method squares the error: the step taken at this error leaves less than 1e-13."""
 
 
 class CameraMap(NamedTuple):
-    """A camera as kernels take it: arrays, read-only."""
+    """A camera as an argument of kernels; its arrays are read-only."""
 
     position_m: Floats
     """Optical center in the field [m], shape (3,)."""
     lens: Floats
     """Focal length, center x and y [px], k1, k2, p1, p2, k3: shape (8,)."""
     floor_from_plane: Floats
-    """Shape (3, 3): from the undistorted plane of the lens to the floor [m]; its third row: one over the depth."""
+    """Homography from the undistorted plane of the lens to the floor [m], shape (3, 3); third row: 1 / depth."""
     plane_from_floor: Floats
-    """Shape (3, 3): back; its third row: the depth along the optical axis."""
+    """Its inverse, shape (3, 3); third row: depth along the optical axis."""
     one_sided: bool
-    """Whether a point behind the camera is told from one before it (nan), as a pinhole does."""
+    """Whether points behind the camera give nan, as they do for a pinhole."""
 
 
 def camera_map_from(camera: CameraModel) -> CameraMap:
-    """The compiled form of a camera. Raises TypeError for a model that has none."""
+    """A camera model's CameraMap. Raises TypeError for a class of models without one."""
     if isinstance(camera, PinholeCamera):
         return _of_pinhole(camera)
     if isinstance(camera, HomographyCamera):
@@ -64,14 +65,14 @@ def _matrix(matrix: Floats) -> Floats:
 
 @kernel
 def field_from_pixel(camera: CameraMap, x_px: float, y_px: float, height_m: float) -> tuple[float, float]:
-    """Where the ray through a pixel crosses the plane at a height: (x, y) [m], nan where it never does."""
+    """Where the ray through a pixel crosses the plane at a height: (x, y) [m], nan if it does not."""
     x_m, y_m, _ = field_and_scale(camera, x_px, y_px, height_m)
     return x_m, y_m
 
 
 @kernel
 def field_and_scale(camera: CameraMap, x_px: float, y_px: float, height_m: float) -> tuple[float, float, float]:
-    """As ``field_from_pixel``, and the area of the image that a square metre covers there [px/m^2]."""
+    """``field_from_pixel``, and the area of the image that a square metre covers there [px/m^2]."""
     lens, floor = camera.lens, camera.floor_from_plane
     u, v, spread = _undistorted(lens, (x_px - lens[1]) / lens[0], (y_px - lens[2]) / lens[0])
     w = floor[2, 0] * u + floor[2, 1] * v + floor[2, 2]
@@ -92,7 +93,7 @@ def field_and_scale(camera: CameraMap, x_px: float, y_px: float, height_m: float
 
 @kernel
 def pixel_from_field(camera: CameraMap, x_m: float, y_m: float, height_m: float) -> tuple[float, float]:
-    """Where a point of the field at a height is seen: (x, y) [px], nan behind the camera."""
+    """The pixel at which a point of the field at a height is seen: (x, y) [px], nan behind the camera."""
     lens, plane = camera.lens, camera.plane_from_floor
     share = height_m / camera.position_m[2]
     x = (x_m - camera.position_m[0] * share) / (1.0 - share)
@@ -129,8 +130,8 @@ def _distorted(lens: Floats, x: float, y: float) -> tuple[float, float]:
 
 @kernel
 def _undistorted(lens: Floats, u: float, v: float) -> tuple[float, float, float]:
-    """The point of the plane that the lens shows at (u, v), by Newton's method, and how much wider than the plane
-    the lens shows areas there; nan when there is none."""
+    """Undistort a point by Newton's method: returns (x, y) in the undistorted plane, and the factor by which the lens
+    enlarges areas there; nan when there is no solution."""
     k1, k2, p1, p2, k3 = lens[3], lens[4], lens[5], lens[6], lens[7]
     if k1 == 0.0 and k2 == 0.0 and p1 == 0.0 and p2 == 0.0 and k3 == 0.0:
         return u, v, 1.0

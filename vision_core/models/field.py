@@ -1,4 +1,4 @@
-"""The field as geometry: its segments (what makes edges), its lines and arcs (what is painted).
+"""The field as geometry: its segments, which make edges, and its painted lines and arcs.
 
 Field space, see ``geometry``. Left is the goal at negative x.
 """
@@ -9,18 +9,19 @@ import numpy as np
 
 from vision_core.geometry import Floats
 from vision_core.settings.schema import FieldSettings
-from vision_core.types.field import Arc, EdgeKind, Segment
+from vision_core.types.edges import EdgeKind
+from vision_core.types.field import Arc, Segment
 
 Line = tuple[float, float, float, float]
 """x1, y1, x2, y2 [m]: the middle of a painted line."""
 
 
 def field_segments(field: FieldSettings, blue_defends: str) -> tuple[Segment, ...]:
-    """Everything of the field that makes edges (views.md).
+    """Every segment of the field that makes edges.
 
-    With walls: solid walls at the line plus margin (corners cut where the preset says so), open at the
-    goals' mouths; behind each mouth the goal's sides and back. Without walls: the solid goals alone, and
-    round everything a virtual limit at lines + margin + goal depth, which is seen but hides nothing.
+    With walls: solid walls at the lines plus margin (with cut corners if the preset has them), open at the
+    goals' mouths; behind each mouth the goal's solid sides and back. Without walls: the solid goals, and around the
+    field a virtual limit at lines + margin + goal depth, which is an edge but hides nothing.
     """
     left, right = (
         (EdgeKind.GOAL_BLUE, EdgeKind.GOAL_YELLOW)
@@ -32,7 +33,7 @@ def field_segments(field: FieldSettings, blue_defends: str) -> tuple[Segment, ..
 
 
 def goal_line_x(field: FieldSettings) -> float:
-    """Where a goal's mouth stands: in the wall, or on the goal line [m]."""
+    """Distance of a goal's mouth from the center line [m]: it is in the wall, or on the goal line."""
     return field.length_m / 2.0 + (field.margin_m if field.walls else 0.0)
 
 
@@ -48,7 +49,7 @@ def diagonal_m(field: FieldSettings) -> float:
 
 
 def is_accepted(field: FieldSettings, x_m: float, y_m: float) -> bool:
-    """Is a point on the field, its margin or in a goal: where a ball may be?"""
+    """Whether a ball may be at a point: on the field, on its margin or in a goal."""
     half_x, half_y = accepted_half_extent(field)
     if abs(x_m) <= half_x and abs(y_m) <= half_y:
         return True
@@ -56,7 +57,7 @@ def is_accepted(field: FieldSettings, x_m: float, y_m: float) -> bool:
 
 
 def field_lines(field: FieldSettings) -> tuple[tuple[Line, ...], tuple[Arc, ...]]:
-    """The painted lines (their middles) and arcs."""
+    """The painted lines (their middles) and arcs; none on a field without line width."""
     if not field.line_width_m:
         return (), ()
     inset = field.line_width_m / 2.0
@@ -76,7 +77,7 @@ def field_lines(field: FieldSettings) -> tuple[tuple[Line, ...], tuple[Arc, ...]
 
 
 def painted_points(field: FieldSettings, per_line: int) -> list[Floats]:
-    """Points along everything that is painted: per line an array of shape (per_line, 2) [m], per arc twice as many."""
+    """Points along every painted line: an array of shape (per_line, 2) [m]; of an arc, shape (2 * per_line, 2)."""
     lines, arcs = field_lines(field)
     along = [np.linspace(line[:2], line[2:], per_line) for line in lines]
     return [*along, *(_points_on(arc, 2 * per_line) for arc in arcs)]

@@ -6,12 +6,12 @@ from vision_core.types.objects import Team
 
 
 def mirror_from(settings: Settings) -> Mirror:
-    """The default mirror of the settings."""
+    """The field's mirror. Raises SettingsError when it is not allowed."""
     return Mirror(settings.mirror.a, settings.mirror.b, settings.mirror.c)
 
 
 def robots_of(robots: RobotSettings, team: Team) -> TeamRobotSettings:
-    """Pattern, outline, size and height of a team's robots: its own, or those of all."""
+    """Pattern, outline, size and marker height of a team's robots: its own settings, or those of both teams."""
     own = robots.blue if team is Team.BLUE else robots.yellow
     return own or TeamRobotSettings(
         pattern=robots.pattern, outline=robots.outline, radius_m=robots.radius_m, height_m=robots.height_m

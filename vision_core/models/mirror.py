@@ -23,8 +23,9 @@ from vision_core.geometry import Floats
 
 MIN_HORIZON_PX = 20.0
 MAX_PX = 254
-"""Two hexadecimal digits; ff means nothing within range."""
+"""Largest value of two hexadecimal digits but one: ff means nothing within range."""
 MIN_SPAN_PX = 3.0
+"""Between one metre and the field's diagonal; see ``check_span``."""
 MM_PER_M = 1000.0
 
 
@@ -67,15 +68,19 @@ class Mirror:
         ratio = self.a / self.b  # no power of a or b: a client's may overflow or vanish
         return math.sqrt(max(ratio * ratio - self.c, 0.0))
 
+    @property
+    def d(self) -> float:
+        """D = A^2 - B^2 C of the inverse."""
+        return self.a**2 - self.b**2 * self.c
+
     @overload
     def px_from_mm(self, r_mm: float) -> float: ...
     @overload
     def px_from_mm(self, r_mm: Floats) -> Floats: ...
     def px_from_mm(self, r_mm: float | Floats) -> float | Floats:
         """f^-1: distance in the mirror's image [px] of a distance on the floor [mm], any r >= 0."""
-        d = self.a**2 - self.b**2 * self.c
-        px: Floats = d * r_mm / (self.a + self.b * np.sqrt(self.c + d * np.square(r_mm)))
-        return px if isinstance(r_mm, np.ndarray) else float(px)
+        px = px_from_mm(r_mm, self.a, self.b, self.c, self.d)
+        return px if isinstance(px, np.ndarray) else float(px)
 
     @overload
     def mm_from_px(self, r_px: float) -> float: ...
@@ -88,16 +93,15 @@ class Mirror:
             mm: Floats = np.where(slope > 0.0, np.divide(r_px, slope), np.inf)
         return mm if isinstance(r_px, np.ndarray) else float(mm)
 
-    def mm_per_px(self, r_px: float) -> float:
-        """dr/dR: how much floor one pixel spans [mm/px]."""
-        s = math.sqrt(self.c + r_px**2)
-        g = self.a - self.b * s
-        return (g + self.b * r_px**2 / s) / g**2
+
+def px_from_mm(r_mm: float | Floats, a: float, b: float, c: float, d: float) -> float | Floats:
+    """f^-1: R [px] of r [mm]; d = a^2 - b^2 c. The only formula of it: ``mirror_kernels`` compiles this function."""
+    return d * r_mm / (a + b * np.sqrt(c + d * (r_mm * r_mm)))
 
 
 PAPER_MIRROR = Mirror(4.0187, 0.0125935, 90000.0)
 """The mirror that the paper's own numbers imply (section 4.3): 4.4 mm/px at 110 mm, 5 mm/px at 220 mm, f = 300 px.
-Default of the fields up to 3 m, and of clients, which version 1 does not tell the server's."""
+Default of the fields up to 3 m, and of clients, because version 1 of the protocol does not send the field's mirror."""
 
 
 def check_span(mirror: Mirror, diagonal_m: float) -> None:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.clock import NS_PER_S, Instant
+from vision_core.clock import NS_PER_S, NS_PER_US, Instant
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import carray, external, kernel
 from vision_core.protocol.messages import MAX_LAG_S, REPORT_PERIOD_S, LagReport
@@ -29,7 +29,6 @@ NEVER = -1
 UNKNOWN = -1
 NS_PER_TICK = {"ms": 1_000_000, "us": 1_000}
 """The unit of a printed Time [ns]."""
-NS_PER_US = 1_000
 CLOCK_MONOTONIC = 1
 MSG_DONTWAIT = 0x40
 MSG_NOSIGNAL = 0x4000

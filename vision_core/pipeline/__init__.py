@@ -1,5 +1,5 @@
-"""Several stages in one compiled call: what tasks, commands and benchmarks share.
+"""Several stages in one compiled call: shared by tasks, commands and benchmarks.
 
 ``perception`` (pixels -> sightings), ``view_encoder`` over ``see_kernels`` (world -> datagrams), ``diagnosis`` (why
-nothing is seen, in words), ``warm_up`` (every kernel used once).
+robots or ball are not seen, in words), ``warm_up`` (uses every kernel once, so that it is compiled).
 """

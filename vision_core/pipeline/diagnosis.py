@@ -1,10 +1,13 @@
-"""Why nothing, or too little, is seen: what the stages and the picture itself have to say, in words.
+"""Why robots or ball are not seen, in words, from the stages and from the picture itself.
 
-Slow, and so never on the hot path: for stills every time, in the service by a process of its own.
+Slow, so never on the hot path: always for stills; in the service by a process of its own, with a time budget.
 """
+
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
+from vision_core.clock import Clock, Instant, MonotonicClock
 from vision_core.color.prefilter import prefilter_from
 from vision_core.native.kernels import box
 from vision_core.objects.ball.reasons import explain_balls
@@ -18,51 +21,89 @@ from vision_core.regions.lines import line_reasons
 from vision_core.types.objects import Sightings
 from vision_core.types.tables import SightingsTable, Table
 
-OVERFLOW = "too many blobs: parts of the picture were not looked at; narrow the color classes or raise blobs.max_runs"
+OVERFLOW = "too many blobs: parts of the picture were not searched; narrow the color classes or raise blobs.max_runs"
+CUT_SHORT = "the search for reasons was cut short: there may be more"
 
 
-def reasons_of(perception: Perception, seen: Sightings) -> tuple[str, ...]:
-    """What explains the frame that was perceived last. seen: what came of it."""
-    settings, pixels, eyes = perception.settings, perception.pixels, perception.eyes
-    camera = perception.camera
+class _Budget:
+    """A deadline, and whether it has stopped any work."""
+
+    def __init__(self, clock: Clock, deadline: Instant | None) -> None:
+        self._clock, self._deadline = clock, deadline
+        self.was_exceeded = False
+
+    def is_over(self) -> bool:
+        self.was_exceeded = self.was_exceeded or (self._deadline is not None and self._clock.now() >= self._deadline)
+        return self.was_exceeded
+
+
+def reasons_of(
+    perception: Perception, seen: Sightings, *, deadline: Instant | None = None, clock: Clock | None = None
+) -> tuple[str, ...]:
+    """What explains the sightings of the frame that was perceived last; empty when nothing is wrong.
+
+    Cheap reasons come first, the search among other patterns and sizes of markers last. Between two steps the clock
+    (None: the machine's) is compared with the deadline: after it no step begins, and the last reason is CUT_SHORT.
+    """
+    settings, camera = perception.settings, perception.camera
     exposure = exposure_reasons(perception.raw, field_pixels(settings.field, camera.model, camera.size_px))
-    if exposure:  # nothing else can be told from such a picture
+    if exposure:  # nothing else can be judged in such a picture
         return exposure
-    table = SightingsTable.of(seen)
-    light = (perception.lighting.light.reason,) if perception.lighting.light.reason else ()
-    overflow = () if seen.complete else (OVERFLOW,)
-    robots = explain_robots(scene_of(perception), settings)
-    observation = Observation(perception.blobs, perception.blob_count, pixels, eyes.classes, eyes.camera)
-    balls = explain_balls(observation, table.robots, len(seen.robots), eyes.balls, settings.ball.color)
-    conflicts = () if seen.robots and seen.balls else disputes(perception)
-    lines = line_reasons(perception.raw, settings.field, camera.model)
-    lines = lines or shift_reasons(perception.raw, settings.field, camera.model)
-    return (*light, *overflow, *robots, *balls, *conflicts, *lines)
+    budget = _Budget(clock or MonotonicClock(), deadline)
+    steps: tuple[Callable[[], Iterable[str]], ...] = (
+        lambda: (perception.lighting.light.reason,) if perception.lighting.light.reason else (),
+        lambda: () if seen.complete else (OVERFLOW,),
+        lambda: () if seen.robots and seen.balls else color_conflicts(perception),
+        lambda: (
+            line_reasons(perception.raw, settings.field, camera.model)
+            or shift_reasons(perception.raw, settings.field, camera.model)
+        ),
+        lambda: _ball_reasons(perception, seen),
+        lambda: explain_robots(scene_of(perception), settings, budget.is_over),
+    )
+    reasons = list(_until_over(steps, budget))
+    return (*reasons, CUT_SHORT) if budget.was_exceeded else tuple(reasons)
+
+
+def _until_over(steps: Iterable[Callable[[], Iterable[str]]], budget: _Budget) -> Iterator[str]:
+    for step in steps:
+        if budget.is_over():
+            return
+        yield from step()
+
+
+def _ball_reasons(perception: Perception, seen: Sightings) -> tuple[str, ...]:
+    """Why no blob is the ball."""
+    context, table = perception.context, SightingsTable.of(seen)
+    observation = Observation(
+        perception.blobs, perception.blob_count, perception.pixels, context.classes, context.camera
+    )
+    return explain_balls(observation, table.robots, len(seen.robots), context.balls, perception.settings.ball.color)
 
 
 def scene_of(perception: Perception) -> Scene:
-    """The frame that was perceived last, with the blobs of all classes: other leagues' markers wear other ones.
+    """The frame that was perceived last, with the blobs of all classes: markers of other leagues have other colors.
 
-    Other finders look at it through the compiled call of the hot path, so that nothing is compiled for them.
+    Other finders search it through the compiled call of the hot path, so that nothing is compiled for them.
     """
-    every = perception.eyes._replace(
+    context = perception.context._replace(
         searched=perception.table.classes,
         prefilter=prefilter_from(perception.table),
-        watch=np.zeros_like(perception.eyes.watch),
+        expected=np.zeros_like(perception.context.expected),
     )
     blobs, seen = np.zeros_like(perception.blobs), SightingsTable()
 
-    def look(finder: RobotFinder) -> tuple[int, Table]:
-        count = perceive_picture(perception.pixels, -1.0, box(every._replace(robots=finder)), blobs, seen.whole)
+    def search(finder: RobotFinder) -> tuple[int, Table]:
+        count = perceive_picture(perception.pixels, -1.0, box(context._replace(robots=finder)), blobs, seen.whole)
         return count, seen.robots[: seen.counts[0]].copy()
 
-    count, _ = look(every.robots)
-    observation = Observation(blobs[:count], count, perception.pixels, every.classes, every.camera)
-    return Scene(observation, perception.table, lambda finder: look(finder)[1])
+    count, _ = search(context.robots)
+    observation = Observation(blobs[:count], count, perception.pixels, context.classes, context.camera)
+    return Scene(observation, perception.table, lambda finder: search(finder)[1])
 
 
-def disputes(perception: Perception) -> tuple[str, ...]:
-    """Color classes that claim the same colors."""
+def color_conflicts(perception: Perception) -> tuple[str, ...]:
+    """Color classes that contain the same colors."""
     return tuple(
         f"color classes {first} and {other} claim {count} of the same colors; {first}, listed first, has them"
         for first, other, count in perception.table.disputed

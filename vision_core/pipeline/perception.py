@@ -1,10 +1,11 @@
-"""The second to fourth stage composed: a frame in, sightings out, in one compiled call.
+"""The second to fourth stage combined: a frame in, sightings out, in one compiled call.
 
-Where robots and ball were in the last frame tells where to look: windows round them, and beside these a band that
-rolls over the picture for what is new. When fewer robots are seen than of late, or no ball, the whole frame is
-searched at once, in the same call.
+The positions of robots and ball in the last frame tell where to search: in windows around them, and in a band of
+rows that moves over the picture, so that new objects are found. When fewer robots than expected are found, or no ball,
+the whole frame is searched at once, in the same call.
 """
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
@@ -20,111 +21,120 @@ from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
+from vision_core.models.mirror import MM_PER_M
 from vision_core.native.kernels import Boxed, box, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.patterns.geometry import width_mm
-from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.loader import CODE, TEAM, Pattern, load_pattern
 from vision_core.settings.schema import Settings
 from vision_core.types.image import ImageFrame
 from vision_core.types.prefilter import ColorPrefilter
 from vision_core.types.tables import BLOB, MAX_BALLS, MAX_ROBOTS, TEAMS, SightingsTable, Table
 
 Row: TypeAlias = Any
-"""One row of a table."""
+"""One row of a table in a kernel: its fields are attributes."""
 
-ROBOT_M_S, BALL_M_S = 4.0, 10.0
-"""Faster than these nothing moves: so large are the windows."""
+MAX_ROBOT_M_S, MAX_BALL_M_S = 4.0, 10.0
+"""Highest speeds: they determine the size of the windows."""
 MAX_GAP_S = 0.1
 """After a longer gap the whole frame is searched."""
-REMEMBERED = 60
-"""Frames for which a robot that vanished is searched in the whole frame."""
-EXPECTED, MISSED_FOR = range(2)
+MAX_MISSED_FRAMES = 60
+"""Frames for which a robot that vanished is still expected, and so searched in the whole frame."""
+BALL_KIND = 2
+"""Index of the ball in ``heights_m`` and ``radii_m``; 0 and 1 are the teams."""
+
+EXPECTED = np.dtype([("robots", np.int64), ("missed_frames", np.int64)])
+"""How many robots are expected in a frame, and in how many frames in a row fewer were found."""
 
 
-class Eyes(NamedTuple):
-    """All that perceiving needs beside the frame."""
+class PerceptionContext(NamedTuple):
+    """Arguments of ``perceive_picture`` that stay the same from frame to frame, and its memory."""
 
     classes: Bytes
     """Of the ColorTable, shape (65536,)."""
     searched: Bytes
-    """The same without the classes that nobody searches."""
+    """The same without the classes that neither a robot nor the ball has."""
     prefilter: ColorPrefilter
     camera: CameraMap
     segment: SegmentBuffers
     robots: RobotFinder
     balls: BallFinder
     heights_m: Floats
-    """Of the teams' markers and the ball, shape (3,)."""
+    """Of the markers of blue, of yellow, and of the ball, shape (3,)."""
     radii_m: Floats
-    """Of the teams' robots and the ball, shape (3,)."""
+    """Of the robots of blue, of yellow (of a square: of its corners), and of the ball, shape (3,)."""
     windows: np.ndarray
-    """Room for windows, shape (most, 4)."""
-    watch: np.ndarray
-    """How many robots are expected, and for how many frames fewer were seen, shape (2,)."""
+    """Scratch: left, top, right, bottom of each window [px], shape (MAX_ROBOTS + MAX_BALLS, 4)."""
+    expected: Table
+    """EXPECTED, shape (1,)."""
 
 
 @kernel
 def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, seen: Table) -> int:
-    """Fill SIGHTINGS, shape (1,), which still tells of the last frame, gap_s ago; returns how many blobs there are.
+    """Replace the sightings of the last frame, gap_s ago, by those of this one; returns the number of blobs.
 
-    gap_s: negative for a picture that has nothing to do with the last one; boxed: Eyes.
+    gap_s: negative for a picture without relation to the last one; boxed: PerceptionContext; blobs: output, BLOB,
+    shape (n,); seen: SIGHTINGS, shape (1,).
     """
-    eyes: Eyes = boxed.value
-    frame, watch = seen[0], eyes.watch
-    follows = 0.0 <= gap_s <= MAX_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= watch[EXPECTED]
-    windows = _windows(frame, gap_s, eyes) if follows else 0
+    context: PerceptionContext = boxed.value
+    frame, expected = seen[0], context.expected[0]
+    # Windows only after a complete frame, a short time ago.
+    follows = 0.0 <= gap_s <= MAX_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= expected.robots
+    windows = _place_windows(frame, gap_s, context) if follows else 0
     whole, count = not follows, 0
     while True:
-        count = _find(pixels, windows, whole, eyes, blobs, frame)
-        if whole or (frame.counts[1] > 0 and frame.counts[0] >= watch[EXPECTED]):
+        count = _find(pixels, windows, whole, context, blobs, frame)
+        if whole or (frame.counts[1] > 0 and frame.counts[0] >= expected.robots):
             break
         whole = True
-    if gap_s < 0.0 or frame.counts[0] >= watch[EXPECTED] or watch[MISSED_FOR] >= REMEMBERED:
-        watch[EXPECTED], watch[MISSED_FOR] = frame.counts[0], 0
+    # Expect as many robots as there are now; fewer only after they were missing for a while.
+    if gap_s < 0.0 or frame.counts[0] >= expected.robots or expected.missed_frames >= MAX_MISSED_FRAMES:
+        expected.robots, expected.missed_frames = frame.counts[0], 0
     else:
-        watch[MISSED_FOR] += 1
+        expected.missed_frames += 1
     return count
 
 
 @kernel
-def _find(pixels: Bytes, windows: int, whole: bool, eyes: Eyes, blobs: Table, frame: Row) -> int:
-    """Search a frame; how many blobs there are."""
+def _find(pixels: Bytes, windows: int, whole: bool, context: PerceptionContext, blobs: Table, frame: Row) -> int:
+    """Search a frame, in its first windows and the band, or whole; returns the number of blobs."""
     count, complete = segment_picture(
-        pixels, eyes.searched, eyes.prefilter, eyes.windows, windows, whole, eyes.segment, blobs
+        pixels, context.searched, context.prefilter, context.windows, windows, whole, context.segment, blobs
     )
-    observation = Observation(blobs, count, pixels, eyes.classes, eyes.camera)
-    robots = find_robots(observation, eyes.robots, frame.robots)
-    balls = find_balls(observation, frame.robots, robots, eyes.balls, frame.balls)
+    observation = Observation(blobs, count, pixels, context.classes, context.camera)
+    robots = find_robots(observation, context.robots, frame.robots)
+    balls = find_balls(observation, frame.robots, robots, context.balls, frame.balls)
     frame.complete, frame.counts[0], frame.counts[1] = complete, robots, balls
     return count
 
 
 @kernel
-def _windows(frame: Row, gap_s: float, eyes: Eyes) -> int:
-    """A window round everything that the last frame showed, as far as it can have got; how many there are."""
+def _place_windows(frame: Row, gap_s: float, context: PerceptionContext) -> int:
+    """Put a window around everything in the last frame, as large as it can have moved; returns how many there are."""
     robots, balls = frame.counts[0], frame.counts[1]
     for k in range(robots + balls):
         if k < robots:
             kind, x_m, y_m = frame.robots[k].team, frame.robots[k].x_m, frame.robots[k].y_m
         else:
-            kind, x_m, y_m = 2, frame.balls[k - robots].x_m, frame.balls[k - robots].y_m
-        height_m = eyes.heights_m[kind]
-        x, y = pixel_from_field(eyes.camera, x_m, y_m, height_m)
-        scale = np.sqrt(pixels_per_square_metre(eyes.camera, x_m, y_m, height_m))
-        reach = scale * (eyes.radii_m[kind] + gap_s * (BALL_M_S if kind == 2 else ROBOT_M_S))
-        window = eyes.windows[k]
+            kind, x_m, y_m = BALL_KIND, frame.balls[k - robots].x_m, frame.balls[k - robots].y_m
+        height_m = context.heights_m[kind]
+        x, y = pixel_from_field(context.camera, x_m, y_m, height_m)
+        scale = np.sqrt(pixels_per_square_metre(context.camera, x_m, y_m, height_m))
+        speed_m_s = MAX_BALL_M_S if kind == BALL_KIND else MAX_ROBOT_M_S
+        reach = scale * (context.radii_m[kind] + gap_s * speed_m_s)
+        window = context.windows[k]
         window[0], window[1] = np.int32(x - reach), np.int32(y - reach)
         window[2], window[3] = np.int32(x + reach), np.int32(y + reach)
-    everything: int = robots + balls
-    return everything
+    count: int = robots + balls
+    return count
 
 
 class Perception:
-    """Perceives the frames of one camera. Remembers of past frames only where robots and ball were.
+    """Perceives the frames of one camera. Its state is where robots and ball were in the last frame.
 
-    Raises SettingsError when a pattern file is missing or wrong, or wears colors without a class.
+    Raises SettingsError when a pattern file is missing or wrong, or has colors without a class.
     """
 
     def __init__(self, settings: Settings, camera: CameraSetup) -> None:
@@ -132,32 +142,32 @@ class Perception:
         self.camera = camera
         self.table = compile_color_table(settings.colors)
         self.lighting = Lighting(settings, camera)
-        self.eyes = self._eyes()
+        self.context = self._context()
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
         self.blob_count = 0
-        """How many of the blobs are the last frame's."""
+        """How many blobs the last frame has: the first rows of ``blobs``."""
         self.raw: Bytes = np.zeros((0, 0, 3), dtype=np.uint8)
         """The last frame."""
         self.pixels = self.raw
-        """The last frame in the venue's light."""
+        """The last frame, corrected to the venue's light."""
         self._seen = SightingsTable()
         self._last = Instant(0)
 
     @cached_property
     def _boxed(self) -> Boxed:
-        """``eyes`` as the kernels take it; settings can be checked without compiling this."""
-        return box(self.eyes)
+        """``context`` as an argument of kernels; made at the first frame, so that settings are checked without it."""
+        return box(self.context)
 
     def warm_up(self) -> None:
-        """Load or compile the kernels, so that no frame waits for them."""
+        """Load or compile the kernels, so that no frame waits for it."""
         dark = ImageFrame(self.camera.name, 0, Instant(0), self.camera.black_image())
         self.perceive(dark, ManualClock())
         self.lighting.warm_up()
 
     def perceive(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
-        """What a frame of the configured size shows. The table is our own: the next call overwrites it.
+        """The sightings of a frame of the configured size. The next call overwrites the table.
 
-        A frame that is no later than the last one is judged alone.
+        A frame that is not later than the last one is searched whole, as a single picture.
         """
         pixels = read_only(self.lighting.lit(frame.pixels, frame.grabbed))
         gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else -1.0
@@ -166,15 +176,16 @@ class Perception:
         self._seen.stamp(frame.camera, frame.number, frame.grabbed, clock.now())
         return self._seen
 
-    def _eyes(self) -> Eyes:
+    def _context(self) -> PerceptionContext:
         settings = self.settings
-        robots = robot_finder(settings, self.table)
-        worn = {color for name in self._patterns() for color in (*load_pattern(name).code.colors, *_fixed(name))}
-        searched = keep_classes(self.table, {*TEAMS, *worn, settings.ball.color})
         shapes = [robots_of(settings.robots, team) for team in TEAMS]
+        patterns = {name: load_pattern(name) for name in {shape.pattern for shape in shapes}}
+        robots = robot_finder(settings, self.table)
+        colors = {color for pattern in patterns.values() for color in _colors_of(pattern)}
+        searched = keep_classes(self.table, {*TEAMS, *colors, settings.ball.color})
         radius = settings.ball.radius_m
-        rows_apart = min_height_px(self._smallest_px(), settings.blobs.row_step)
-        return Eyes(
+        rows_apart = min_height_px(self._smallest_px(patterns.values()), settings.blobs.row_step)
+        return PerceptionContext(
             classes=self.table.classes,
             searched=searched.classes,
             prefilter=prefilter_from(searched),
@@ -185,15 +196,12 @@ class Perception:
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),
             radii_m=np.array([*(2.0**0.5 * shape.radius_m for shape in shapes), radius]),
             windows=np.zeros((MAX_ROBOTS + MAX_BALLS, 4), dtype=np.int32),
-            watch=np.zeros(2, dtype=np.int64),
+            expected=np.zeros(1, dtype=EXPECTED),
         )
 
-    def _patterns(self) -> set[str]:
-        return {robots_of(self.settings.robots, team).pattern for team in TEAMS}
-
-    def _smallest_px(self) -> float:
-        """Diameter of the smallest thing that is looked for, where the picture is coarsest."""
-        patches = [width_mm(patch) / 1e3 for name in self._patterns() for patch in load_pattern(name).patches]
+    def _smallest_px(self, patterns: Iterable[Pattern]) -> float:
+        """Diameter of the smallest object that is searched for, where the image's scale is smallest [px]."""
+        patches = [width_mm(patch) / MM_PER_M for pattern in patterns for patch in pattern.patches]
         smallest_m = min(*patches, 2.0 * self.settings.ball.radius_m)
         x, y = accepted_half_extent(self.settings.field)
         corners = np.array([(0.0, 0.0), (x, y), (x, -y), (-x, y), (-x, -y)])
@@ -201,6 +209,6 @@ class Perception:
         return smallest_m * float(np.nanmin(scale))
 
 
-def _fixed(name: str) -> set[str]:
-    """Color classes that all robots of a pattern wear."""
-    return {patch.color for patch in load_pattern(name).patches} - {"team", "code"}
+def _colors_of(pattern: Pattern) -> set[str]:
+    """Color classes of a pattern's patches, apart from the team's."""
+    return {*pattern.code.colors, *(patch.color for patch in pattern.patches)} - {TEAM, CODE}

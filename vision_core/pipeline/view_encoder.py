@@ -1,36 +1,40 @@
-"""The sixth and seventh stage composed: a world in, every client's datagram and the page's views out.
+"""The sixth and seventh stage combined: a world in, every client's datagram and the page's views out.
 
-One compiled call per frame, into memory that was taken once; no sockets, processes or clocks, so that tests and
+One compiled call per frame, into preallocated memory; no sockets, processes or clocks, so that tests and
 benchmarks use the same code as the service.
 """
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-import msgspec
 import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
 from vision_core.models.from_settings import mirror_from
-from vision_core.models.mirror import Mirror
 from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.net.delivery import Batch
-from vision_core.pipeline.see_kernels import REQUEST, SLOT, Ink, ball_words, mirror_px, write_see
-from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
+from vision_core.pipeline.see_kernels import REQUEST, SLOT, TextBuffers, ball_numbers, view_px, write_see
+from vision_core.protocol.edge_codes import TYPES, edge_codes
 from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 from vision_core.types.tables import DIRECTIONS, MAX_NUMBERS, Table, ViewsTable, WorldTable
 from vision_core.views.outlines import Integers
-from vision_core.views.renderer import MAX_RAYS, VIEWERS, Eyes, Place, Sight, look_all, viewer_of
-
-TYPES = ("same", "team", "number")
+from vision_core.views.renderer import (
+    MAX_RAYS,
+    VIEWERS,
+    StaticScene,
+    ViewBuffers,
+    ViewRenderer,
+    render_views,
+    viewer_index,
+)
 
 
 class Client(Protocol):
-    """What a session tells of its wishes."""
+    """The part of a session that decides what is sent to it."""
 
     @property
     def init(self) -> Init: ...
@@ -38,78 +42,82 @@ class Client(Protocol):
     def nul(self) -> bool: ...
 
 
-class Desk(NamedTuple):
-    """What stays the same from frame to frame while no client comes or goes, and where to write."""
+class EncoderContext(NamedTuple):
+    """Arguments of ``encode_views`` that stay the same while no client comes or goes."""
 
     boot: int
-    place: Place
-    sight: Sight
-    page: Table
-    """The REQUEST of the page, shape (1,)."""
-    views: Table
-    """VIEWS, shape (1,)."""
+    """Instant at which Time is 0 [ns]."""
+    scene: StaticScene
+    views: ViewBuffers
+    page_request: Table
+    """The REQUEST of the page's views, shape (1,)."""
+    page_views: Table
+    """Output: VIEWS, shape (1,)."""
     requests: Table
-    """Of all clients, shape (n,)."""
-    ink: Ink
+    """The REQUEST of each client, shape (n,)."""
+    text: TextBuffers
     starts: Integers
-    """Filled in, of each request, shape (n,)."""
+    """Output: place of each client's datagram in text.text [bytes], shape (n,)."""
     lengths: Integers
-    """Filled in, 0 where there is no datagram."""
+    """Output: length of each client's datagram [bytes]; 0: none this frame; shape (n,)."""
 
 
 @kernel
-def write_messages(world: Table, due: Bytes, boxed: Boxed) -> None:
-    """One frame: what all robots see of a world, as snapshots for the page and as datagrams of the requests due.
+def encode_views(world: Table, due: Bytes, boxed: Boxed) -> None:
+    """Render the views of a world, and encode them: as snapshots for the page, as datagrams for the clients due.
 
-    world: WORLD, shape (1,); due: 1 for the requests that want a datagram, shape (n,); boxed: Desk.
+    world: WORLD, shape (1,); due: 1 for the clients that get a datagram, shape (n,); boxed: EncoderContext.
     """
-    desk: Desk = boxed.value
-    sight, requests, ink, starts, lengths = desk.sight, desk.requests, desk.ink, desk.starts, desk.lengths
-    sight.rays[:] = DIRECTIONS
+    context: EncoderContext = boxed.value
+    views, requests, text = context.views, context.requests, context.text
+    starts, lengths = context.starts, context.lengths
+    # Each view has the finest grid that any of its clients needs.
+    views.rays[:] = DIRECTIONS
     for k in range(len(requests)):
         if due[k]:
-            viewer = requests[k].viewer
-            sight.rays[viewer] = max(sight.rays[viewer], requests[k].rays)
-    look_all(world, desk.place, sight)
-    _write_views(world, sight, desk.page, ink.page_px, desk.views)
+            index = requests[k].viewer
+            views.rays[index] = max(views.rays[index], requests[k].rays)
+    render_views(world, context.scene, views)
+    _write_page_views(world, views, context.page_request, text.page_px, context.page_views)
     for k in range(len(requests)):
         request = requests[k]
-        seen = sight.seen[request.viewer]
-        if not due[k] or seen.body < 0:
+        viewer = views.viewers[request.viewer]
+        if not due[k] or viewer.robot < 0:
             starts[k] = lengths[k] = 0
             continue
-        rays = sight.rays[request.viewer]
-        kinds, px = sight.kinds[seen.start : seen.start + rays], ink.px[:rays]
+        # Pixels through the field's mirror are computed already, for the page.
+        rays = views.rays[request.viewer]
+        kinds, px = views.kinds[viewer.first_ray : viewer.first_ray + rays], text.px[:rays]
         if rays == DIRECTIONS and not request.own_mirror:
-            px = ink.page_px[request.viewer]
+            px = text.page_px[request.viewer]
         else:
-            mirror_px(sight.distances_m[seen.start :], request.a, request.b, request.c, request.d, px)
-        starts[k], lengths[k] = write_see(world[0].at - desk.boot, seen, request, rays, kinds, px, k, ink)
+            view_px(views.distances_m[viewer.first_ray :], request.a, request.b, request.c, request.d, px)
+        starts[k], lengths[k] = write_see(world[0].at - context.boot, viewer, request, rays, kinds, px, k, text)
 
 
 @kernel
-def _write_views(world: Table, sight: Sight, page: Table, page_px: Bytes, views: Table) -> None:
-    """The views for the page, in the pixels of the field's mirror, ordered by team and number."""
+def _write_page_views(world: Table, views: ViewBuffers, page: Table, page_px: Bytes, page_views: Table) -> None:
+    """Write the views for the page, in the pixels of the field's mirror, ordered by team and number."""
     request, count = page[0], 0
-    for viewer in range(VIEWERS):
-        seen = sight.seen[viewer]
-        if seen.body < 0:
+    for index in range(VIEWERS):
+        viewer = views.viewers[index]
+        if viewer.robot < 0:
             continue
-        view = views[0].views[count]
+        view = page_views[0].views[count]
         count += 1
-        view.team, view.number = viewer // MAX_NUMBERS, viewer % MAX_NUMBERS + 1
-        view.overlap, view.partial = seen.overlap, 0.0 < seen.ball_share < 1.0
-        view.ball_px, view.ball_direction_deg, view.ball_size_deg = ball_words(seen, request)
-        finer = sight.rays[viewer] // DIRECTIONS
-        distances, kinds, px = sight.distances_m[seen.start :], sight.kinds[seen.start :], page_px[viewer]
-        if finer == 1:  # compiled for neighbors in memory, which is three times as fast
-            mirror_px(distances, request.a, request.b, request.c, request.d, px)
+        view.team, view.number = index // MAX_NUMBERS, index % MAX_NUMBERS + 1
+        view.overlap, view.partial = viewer.overlap, 0.0 < viewer.ball_visible < 1.0
+        view.ball_px, view.ball_direction_deg, view.ball_size_deg = ball_numbers(viewer, request)
+        finer = views.rays[index] // DIRECTIONS
+        distances, kinds, px = views.distances_m[viewer.first_ray :], views.kinds[viewer.first_ray :], page_px[index]
+        if finer == 1:  # compiled for contiguous memory, which is three times as fast
+            view_px(distances, request.a, request.b, request.c, request.d, px)
             _copy(kinds, view.kinds)
         else:
-            mirror_px(distances[::finer], request.a, request.b, request.c, request.d, px)
+            view_px(distances[::finer], request.a, request.b, request.c, request.d, px)
             _copy(kinds[::finer], view.kinds)
         _copy(px, view.px)
-    views[0].frame_number, views[0].at, views[0].count = world[0].frame_number, world[0].at, count
+    page_views[0].frame_number, page_views[0].at, page_views[0].count = world[0].frame_number, world[0].at, count
 
 
 @kernel
@@ -119,39 +127,43 @@ def _copy(source: Bytes, target: Bytes) -> None:
         target[index] = source[index]
 
 
-class Messages:
-    """Observes and encodes. Holds memory, and nothing that one frame leaves to the next."""
+class ViewEncoder:
+    """Renders and encodes the views of a world. Holds memory, but no state from one frame to the next.
+
+    Raises SettingsError for edge letters that are not allowed.
+    """
 
     def __init__(self, settings: Settings, boot: Instant) -> None:
-        self.eyes = Eyes(settings)
+        """boot: instant at which Time is 0."""
+        self.renderer = ViewRenderer(settings)
         self._boot = boot
         self.mirror = mirror_from(settings)
-        """Of the field, for who asks for no other."""
-        self.letters = LetterTable(**msgspec.structs.asdict(settings.protocol.letters))
-        self._letters = np.array([letters_by_kind(self.letters, types) for types in TYPES])
+        """The field's, for clients that ask for no other."""
+        self.codes = edge_codes(settings.protocol.letters)
+        self._letters = np.array([self.codes[types] for types in TYPES])
         self._page: Table = np.zeros(1, dtype=REQUEST)
         self._page[0] = self.request(Team.BLUE, 1, PAPER_OPTIONS, nul=False)
         self.views = ViewsTable()
-        """What the page shows of the last world."""
+        """The page's views of the last world."""
         self._page_px = np.zeros((VIEWERS, DIRECTIONS), dtype=np.uint8)
         self._prepare(())
 
     def write(self, world: WorldTable, clients: Sequence[Client], due: Bytes | None = None) -> Batch:
-        """The datagrams of a world, one for each client that is due (None: all of them) and whose robot is there.
+        """The datagrams of a world, one for each client that is due (None: all) and whose robot is in it.
 
-        They stay until the next call. Clients are looked at only when the sequence is another object than last time.
-        due: 1 or 0 for each client; raises ValueError for another number of marks.
+        The next call overwrites them. The clients' options are read only when `clients` is another object than in the
+        last call. due: 1 or 0 for each client. Raises ValueError unless there is one for each client.
         """
         if clients is not self._clients:
             self._prepare(clients)
         due = self._all if due is None else due
         if len(due) != len(clients):
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
-        write_messages(world.whole, due, self._boxed)
+        encode_views(world.whole, due, self._boxed)
         return self._batch
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
-        """A client's row for ``write_messages``. Raises ValueError when a view cannot have its directions."""
+        """A client's row of REQUEST. Raises ValueError when its directions are on no grid of a view."""
         rays = options.rays_per_circle
         per_deg = rays // 360
         sign = 1 if options.sense == "ccw" else -1
@@ -163,14 +175,14 @@ class Messages:
             )
         row: Table = np.zeros(1, dtype=REQUEST)
         row[0] = (
-            viewer_of(team, number), rays, sign * int(first) % rays, sign * int(step) % rays, options.directions,
+            viewer_index(team, number), rays, sign * int(first) % rays, sign * int(step) % rays, options.directions,
             TYPES.index(options.types), options.sense == "cw", options.size == "half", options.time == "us", nul,
-            mirror != self.mirror, options.fov_deg, options.center_deg, *_constants(mirror),
+            mirror != self.mirror, options.fov_deg, options.center_deg, mirror.a, mirror.b, mirror.c, mirror.d,
         )  # fmt: skip
         return row[0]  # type: ignore[no-any-return]
 
     def _prepare(self, clients: Sequence[Client]) -> None:
-        """Take memory for so many clients and note what they want."""
+        """Take memory for so many clients and read their options."""
         count = len(clients)
         self._clients = clients
         self._requests: Table = np.zeros(count, dtype=REQUEST)
@@ -180,17 +192,14 @@ class Messages:
         words = np.zeros(max(count, 1) * SLOT // 4, dtype=np.uint32)
         hex_words = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).encode(), dtype=np.uint32).copy()
         text = words.view(np.uint8)
-        self.ink = Ink(hex_words, self._letters, text, words, np.zeros(MAX_RAYS, dtype=np.uint8), self._page_px)
+        self.text = TextBuffers(
+            hex_words, self._letters, text, words, np.zeros(MAX_RAYS, dtype=np.uint8), self._page_px
+        )
         self._all = np.ones(count, dtype=np.uint8)
         self._batch = Batch(text, np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64))
         self._boxed = box(
-            Desk(
-                int(self._boot), self.eyes.place, self.eyes.sight, self._page, self.views.whole,
-                self._requests, self.ink, self._batch.starts, self._batch.lengths,
+            EncoderContext(
+                int(self._boot), self.renderer.scene, self.renderer.buffers, self._page, self.views.whole,
+                self._requests, self.text, self._batch.starts, self._batch.lengths,
             )
         )  # fmt: skip
-
-
-def _constants(mirror: Mirror) -> tuple[float, float, float, float]:
-    """A, B, C of equation 1, and D as ``Mirror.px_from_mm`` computes it."""
-    return mirror.a, mirror.b, mirror.c, mirror.a**2 - mirror.b**2 * mirror.c

@@ -20,7 +20,7 @@ from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.scheduling.attachment import end_with
 from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
@@ -57,8 +57,8 @@ def track(settings: Settings) -> WorldTable:
 
 def encode(settings: Settings, world: WorldTable) -> None:
     """Render and encode the views of a world, and send them to no client."""
-    messages, deliveries = Messages(settings, Instant(0)), DeliveryTable(Instant(0))
-    messages.write(world, ())
+    encoder, deliveries = ViewEncoder(settings, Instant(0)), DeliveryTable(Instant(0))
+    encoder.write(world, ())
     deliveries.due(Instant(1))
     deliveries.send(Instant(1), Batch.of(()))
 
@@ -77,30 +77,38 @@ def compile_blobs(settings: Settings) -> None:
     """Compile the segmentation for ``perceive_picture``, and what judges the light."""
     stage, seen, _ = _prepared(settings)
     stage.lighting.warm_up()
-    eyes = stage.eyes
+    context = stage.context
     compile_for_kernels(
-        segment_picture, seen.pixels, eyes.searched, eyes.prefilter, eyes.windows, 0, False, eyes.segment, seen.blobs
+        segment_picture,
+        seen.pixels,
+        context.searched,
+        context.prefilter,
+        context.windows,
+        0,
+        False,
+        context.segment,
+        seen.blobs,
     )
 
 
 def compile_robots(settings: Settings) -> None:
     """Compile the finder of robots for ``perceive_picture``."""
     stage, seen, sightings = _prepared(settings)
-    compile_for_kernels(find_robots, seen, stage.eyes.robots, field_type(sightings, "robots"))
+    compile_for_kernels(find_robots, seen, stage.context.robots, field_type(sightings, "robots"))
 
 
 def compile_balls(settings: Settings) -> None:
     """Compile the finder of balls for ``perceive_picture``."""
     stage, seen, sightings = _prepared(settings)
     robots, balls = field_type(sightings, "robots"), field_type(sightings, "balls")
-    compile_for_kernels(find_balls, seen, robots, 0, stage.eyes.balls, balls)
+    compile_for_kernels(find_balls, seen, robots, 0, stage.context.balls, balls)
 
 
 def _prepared(settings: Settings) -> tuple[Perception, Observation, Table]:
     """Perception, what its finders look at, and a table of sightings."""
     setup = CameraSetup.from_settings(settings)
     stage = Perception(settings, setup)
-    seen = Observation(stage.blobs, 0, read_only(setup.black_image()), stage.eyes.classes, stage.eyes.camera)
+    seen = Observation(stage.blobs, 0, read_only(setup.black_image()), stage.context.classes, stage.context.camera)
     return stage, seen, SightingsTable().whole
 
 

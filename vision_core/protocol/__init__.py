@@ -4,7 +4,7 @@ Bytes, addresses and instants go in; replies and events come out. The sockets be
 server's side and to ``vision_core.client`` on the team's side.
 
     datagram -> s_expressions -> codec -> a Request -> Sessions -> Reply, SessionOpened, ...
-    RobotView + Options + Mirror + LetterTable -> see -> datagram
+    RobotView + Options + Mirror + EdgeCodes -> see -> datagram
 
 Rules. Decoding never raises: it gives a message or None, in bounded time and without recursion, whatever the bytes.
 A mistake of our own code raises. The server does not answer what looks like a server's message, so that two servers

@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
+from vision_core.clock import MS_PER_S, US_PER_S
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import (
     MAX_NUMBER,
-    US_PER_S,
     Ball,
     Bye,
     Command,
@@ -42,7 +42,6 @@ MODES = frozenset({"before_kick_off", "play_on", "time_over"})
 SERVER_WORDS = frozenset({b"see", b"hear", b"error", b"warning", b"ok", b"challenge", b"pong"})
 """First words of a server's messages. A server does not answer them."""
 
-MS_PER_S = 1000
 _TEAMS = {team.value: team for team in Team}
 _HEAD = re.compile(rb"\(\s*+([A-Za-z_]*+)")
 _SEE = re.compile(

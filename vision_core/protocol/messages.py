@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from vision_core.clock import US_PER_S
 from vision_core.models.mirror import Mirror
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
 
-US_PER_S = 1_000_000
 MAX_NUMBER = 16
 """Robots per team that the letters of ``(types number)`` can tell apart."""
 MAX_LAG_S = 10.0

@@ -1,58 +1,60 @@
-"""RobotView -> the exact ``see`` datagram (PSLV paper, section 3.2 and equation 1)."""
+"""Reference implementation: RobotView -> the exact ``see`` datagram (PSLV paper, section 3.2 and equation 1).
+
+Readable and slow. The service writes its datagrams in compiled code (``pipeline.see_kernels``); tests and the benchmark
+compare that code with this module, byte for byte.
+"""
 
 import math
 
 import numpy as np
 
-from vision_core.clock import Instant
+from vision_core.clock import NS_PER_US, Instant
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.mirror import MM_PER_M, Mirror
 from vision_core.protocol.codec import encode_see
-from vision_core.protocol.edge_codes import LetterTable, letters_by_kind
+from vision_core.protocol.edge_codes import EdgeCodes
 from vision_core.protocol.messages import HIDDEN, NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, ray_indices
-from vision_core.types.field import EdgeKind
+from vision_core.types.edges import EdgeKind
 from vision_core.types.views import BallView, RobotView
 
-NS_PER_US = 1000
-
-FARTHEST_M = 1e6
-"""As good as infinitely far, and still a number."""
+MAX_DISTANCE_M = 1e6
+"""A larger distance is replaced by this one: its pixel is the horizon's, and its square is finite."""
 
 _PADDED_HEX = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).encode(), dtype="<u4")
-"""A distance's two characters where they stand in an edge, with room for the type before them."""
+"""The two digits of each distance at their place in an edge: byte 0 is left free for the letter."""
 
 
-def see_from_view(
-    view: RobotView, options: Options, mirror: Mirror, letters: LetterTable, boot: Instant, *, nul: bool = False
+def reference_see(
+    view: RobotView, options: Options, mirror: Mirror, codes: EdgeCodes, boot: Instant, *, nul: bool = False
 ) -> bytes:
     """The datagram of a view as a client asked for it.
 
-    view: of rays evenly spaced over the circle, ray 0 ahead, anticlockwise; their number a multiple of
-    ``options.rays_per_circle`` (ValueError otherwise). mirror: the field's, when the options name none.
-    boot: where Time is 0.
+    view: its rays are evenly spaced over the circle, ray 0 ahead, anticlockwise. mirror: the field's, used unless the
+    options have one. boot: where Time is 0. Raises ValueError unless the number of rays is a multiple of
+    ``options.rays_per_circle``.
     """
     own = options.mirror or mirror
-    px, kinds = edge_px(view, own), view.kinds
+    px, kinds = reference_px(view, own), view.kinds
     chosen = ray_indices(options, len(kinds))
     if chosen is not None:
         px, kinds = px[chosen], kinds[chosen]
-    letter_of_kind = letters_by_kind(letters, options.types)
-    types = np.where(px == NOTHING_PX, letter_of_kind[EdgeKind.NOTHING], letter_of_kind.take(kinds))
+    letters = codes[options.types]
+    types = np.where(px == NOTHING_PX, letters[EdgeKind.NOTHING], letters.take(kinds))
     edges = (_PADDED_HEX.take(px) | types).view(np.uint8).reshape(-1, 4)[:, :3]
-    see = See((view.at - boot) // NS_PER_US, edges.tobytes(), ball_from_view(view.ball, options, own))
+    see = See((view.at - boot) // NS_PER_US, edges.tobytes(), reference_ball(view.ball, options, own))
     return encode_see(see, options.time) + (b"\0" if nul else b"")
 
 
-def edge_px(view: RobotView, mirror: Mirror) -> Bytes:
-    """int(f^-1(r)) of every ray, at most 254 (no mirror's horizon is farther); 255 for nothing; shape (n,)."""
-    far_mm: Floats = np.minimum(view.distances_m, FARTHEST_M) * MM_PER_M
+def reference_px(view: RobotView, mirror: Mirror) -> Bytes:
+    """int(f^-1(r)) of every ray, at most 254 (the largest horizon of a mirror); 255 for nothing; shape (n,)."""
+    far_mm: Floats = np.minimum(view.distances_m, MAX_DISTANCE_M) * MM_PER_M
     px = mirror.px_from_mm(far_mm).astype(np.uint8)
     px[(view.kinds == EdgeKind.NOTHING) | (view.distances_m == math.inf)] = NOTHING_PX
     return px
 
 
-def ball_from_view(ball: BallView | None, options: Options, mirror: Mirror) -> Ball:
+def reference_ball(ball: BallView | None, options: Options, mirror: Mirror) -> Ball:
     """The ball in whole pixels and degrees, halves rounded up; hidden outside the client's field of view."""
     if ball is None:
         return HIDDEN

@@ -21,7 +21,8 @@ from vision_core.models.camera import CameraModel
 from vision_core.models.field import field_segments
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.colors import LUMA_BGR
-from vision_core.types.field import EdgeKind, Segment
+from vision_core.types.edges import EdgeKind
+from vision_core.types.field import Segment
 from vision_core.types.regions import FieldBoundary
 
 GreyLevels = NDArray[np.float32]

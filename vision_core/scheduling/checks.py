@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from vision_core.clock import MS_PER_S
 from vision_core.rtdb.task import DRIVER, HIGHEST_PRIORITY, NONE, PERIOD, Task
 
-MS_PER_S = 1e3
 MIN_PERIOD_S = 0.001
 MAX_SHARE = 0.95
 """Share of a core that the kernel gives to real-time tasks together."""

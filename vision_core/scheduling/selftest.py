@@ -12,7 +12,7 @@ import sys
 import time
 from dataclasses import asdict
 
-from vision_core.clock import NS_PER_S, Instant
+from vision_core.clock import NS_PER_S, NS_PER_US, Instant
 from vision_core.rtdb.infos import SelfTest
 from vision_core.scheduling.attachment import end_with
 from vision_core.scheduling.realtime import ask_priority, exact_timers, freeze_garbage, lock_memory, sleep_until
@@ -23,7 +23,6 @@ PRIORITY = 50
 """The same as of the task ``capture``."""
 GRADES = (("A", 200e3), ("B", 2e6))
 """Class, and the limit of its p99 [ns]."""
-NS_PER_US = 1e3
 WARM_UP = 10
 """Wake-ups at the beginning that are not counted."""
 

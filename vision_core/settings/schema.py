@@ -285,25 +285,13 @@ class ViewSettings(Record, frozen=True):
     r_min_m: Annotated[float, Meta(ge=0.0, description="nearest distance reported; 0: the robot's own radius")]
 
 
-class Letters(Record, frozen=True):
-    """Letters of edge types in see messages. Robots by number: consecutive letters from the given ones."""
-
-    nothing: Annotated[str, Meta(pattern="^[!-~]$")]
-    wall: Annotated[str, Meta(pattern="^[!-~]$")]
-    goal_blue: Annotated[str, Meta(pattern="^[!-~]$")]
-    goal_yellow: Annotated[str, Meta(pattern="^[!-~]$")]
-    unknown: Annotated[str, Meta(pattern="^[!-~]$")]
-    robot: Annotated[str, Meta(pattern="^[!-~]$")]
-    blue: Annotated[str, Meta(pattern="^[!-~]$")]
-    yellow: Annotated[str, Meta(pattern="^[!-~]$")]
-    first_blue: Annotated[str, Meta(pattern="^[!-~]$")]
-    first_yellow: Annotated[str, Meta(pattern="^[!-~]$")]
-
-
 class ProtocolSettings(Record, frozen=True):
     """The protocol between server and clients."""
 
-    letters: Letters
+    letters: Annotated[
+        dict[str, str],
+        Meta(description="edge types on the wire whose letter differs from the table of edge types, by name"),
+    ]
     lease_s: Annotated[float, Meta(gt=0.0, description="a version-1 client silent for longer is dropped")]
 
 

@@ -15,7 +15,7 @@ from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import PslvError
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.perception import Perception
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.admission import Admission
 from vision_core.scheduling.attachment import end_with
 from vision_core.settings.schema import Settings
@@ -42,7 +42,7 @@ def main() -> int:
 def check_tasks(settings: Settings, camera: CameraSetup) -> None:
     """Make what the tasks make of settings: pattern and its colors, letters, admitted subnets. Raises SettingsError."""
     Perception(settings, camera)
-    Messages(settings, Instant(0))
+    ViewEncoder(settings, Instant(0))
     Admission.from_subnets(settings.admission.subnets)
 
 

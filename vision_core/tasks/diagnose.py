@@ -1,5 +1,6 @@
-"""Task: images -> why nothing or too little is seen. Looks at one image now and then, when there is time."""
+"""Task: images -> why robots or ball are not seen. Examines one image now and then, when there is time."""
 
+from vision_core.clock import after
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
@@ -7,6 +8,9 @@ from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import RAN, Release, StepResult
 from vision_core.types.objects import Diagnosis
+
+BUDGET_S = 0.5
+"""After this time no further step of the search for reasons begins: what is found by then is published."""
 
 
 def start(handle: Handle) -> Step:
@@ -21,9 +25,10 @@ def start(handle: Handle) -> Step:
         image = images.newest()
         if image is None:
             return images.none_result
+        deadline = after(handle.clock.now(), BUDGET_S)
         seen = perception.perceive(image, handle.clock).record()
-        diagnosis = Diagnosis(camera, image.number, image.grabbed, reasons_of(perception, seen))
-        writer.write(diagnosis, image.grabbed, handle.clock.now())
+        reasons = reasons_of(perception, seen, deadline=deadline, clock=handle.clock)
+        writer.write(Diagnosis(camera, image.number, image.grabbed, reasons), image.grabbed, handle.clock.now())
         return RAN
 
     return step

@@ -16,7 +16,7 @@ from vision_core.models.from_settings import mirror_from
 from vision_core.net.delivery_report import DeliveryReport
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.net.udp import adopted
-from vision_core.pipeline.view_encoder import Messages
+from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.session import Event, SessionRules, Sessions
@@ -50,7 +50,7 @@ class ServeTask:
         self._sightings_table = SightingsTable()
         self._obstacles = _ObstacleReader(handle)
         self._tracker = Tracker(handle.settings.tracks, handle.settings.robots)
-        self._encoder = Messages(handle.settings, handle.attachment.boot)
+        self._encoder = ViewEncoder(handle.settings, handle.attachment.boot)
         self._world = handle.raw_writer(records.WORLD.spec.name)
         self._views = handle.raw_writer(records.VIEWS.spec.name)
         self._sessions = handle.raw_writer(records.SESSIONS.name)

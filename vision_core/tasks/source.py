@@ -15,7 +15,7 @@ from vision_core.rtdb.infos import FrameDone
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, RAN
 from vision_core.tasks.capture import REOPEN_EVERY_S, info_of
-from vision_core.timing.rate_keeper import OrderedKeeper
+from vision_core.timing.rate_keeper import RequestedKeeper
 
 
 def start(handle: Handle) -> Step:
@@ -38,7 +38,7 @@ class _Player:
         self._done = handle.writer(records.frames_done(camera.name))
         self._info = handle.writer(records.source(camera.name))
         self._source: PlayedSource | None = None
-        self._keeper = OrderedKeeper(camera.rate_hz)
+        self._keeper = RequestedKeeper(camera.rate_hz)
         self._opened = Instant(0)
         self._filled = 0
         """Sequence number of the newest request that is done."""
@@ -61,7 +61,7 @@ class _Player:
             if source is None or timed is None or timed.sequence == self._filled:
                 return False
             request = timed.value
-            self._keeper.order(request.instant)
+            self._keeper.request(request.instant)
             source.grab(np.frombuffer(self._frames.payload(request.slot), dtype=np.uint8).reshape(self._shape))
         except SourceError as error:
             self._source, self._handle.note = None, str(error)
@@ -80,7 +80,7 @@ class _Player:
         self._opened = now
         source = open_played(self._handle.settings, self._handle.camera, self._handle.clock, paced=False)
         source.prepare()
-        source.keeper = self._keeper = OrderedKeeper(source.rate_hz)
+        source.keeper = self._keeper = RequestedKeeper(source.rate_hz)
         self._info.write(info_of(source, self._handle.settings.source.uri), now, now)
         self._handle.notify(self._info.name)
         self._source = source

@@ -1,1 +1,1 @@
-"""How time is kept and counted: a grid of periods, histograms of durations, rates."""
+"""Timing: a rate keeper on a grid of periods, histograms of durations, rates of counters."""

@@ -1,8 +1,8 @@
 """Histograms of durations: fine enough for a p99, small enough for shared memory, cheap enough for every frame.
 
-Bins are 32 to an octave (3 % wide), from 1 us to 17 s, as in an HDR histogram: a bin's number is made of the
-position of the highest bit and of the five bits behind it, without a logarithm. Counts never go down while a
-process lives, so the difference of two readings is the histogram of the time in between.
+As in an HDR histogram, an octave has 32 bins (3 % wide), from 1 us to 17 s: the index of a bin consists of the
+position of the highest bit and of the five bits behind it, without a logarithm. Counts never decrease while a
+process runs, so the difference of two readings is the histogram of the time between them.
 """
 
 from collections.abc import Iterable, Mapping
@@ -16,15 +16,16 @@ from vision_core.geometry import Floats
 Counts = NDArray[np.uint64]
 
 FIRST_BIT = 10
-"""Shorter than 2^10 ns is as good as nothing: bin 0."""
+"""Durations shorter than 2^10 ns are in bin 0."""
 OCTAVES = 24
 BITS = 5
+"""Of the position within an octave."""
 PER_OCTAVE = 1 << BITS
 BINS = 1 + OCTAVES * PER_OCTAVE
 
 
 def bin_of(duration_ns: int) -> int:
-    """The bin of a duration [ns]; negative ones count as nothing, the longest bin takes what is longer still."""
+    """Index of a duration's bin [ns]; a negative one is in bin 0, one beyond the last bin is in the last bin."""
     bit = duration_ns.bit_length() - 1
     if duration_ns < 0 or bit < FIRST_BIT:
         return 0
@@ -33,7 +34,7 @@ def bin_of(duration_ns: int) -> int:
 
 
 def edges_s() -> Floats:
-    """Where the bins begin and the last one ends [s], shape (BINS + 1,)."""
+    """Lower edges of all bins and the upper edge of the last one [s], shape (BINS + 1,)."""
     octave, part = np.divmod(np.arange(BINS), PER_OCTAVE)
     begins = (PER_OCTAVE + part) * 2.0 ** (octave + FIRST_BIT - BITS)
     edges: Floats = np.concatenate([[0.0], begins]) / NS_PER_S
@@ -44,7 +45,10 @@ EDGES_S = edges_s()
 
 
 def quantile_s(counts: Counts, share: float) -> float | None:
-    """The duration [s] that a share of all stays under, interpolated within its bin; None for no durations."""
+    """The duration [s] below which a share 0..1 of all durations lies, interpolated within its bin; None: no durations.
+
+    counts: shape (BINS,).
+    """
     total = int(counts.sum())
     if not total:
         return None
@@ -56,7 +60,7 @@ def quantile_s(counts: Counts, share: float) -> float | None:
 
 
 class Histograms:
-    """Several histograms by name, counted in plain lists and copied out as one block."""
+    """Several histograms by name, counted in lists of Python integers and encoded as one block."""
 
     def __init__(self, names: Iterable[str]) -> None:
         self.counts: dict[str, list[int]] = {name: [0] * BINS for name in names}
@@ -71,11 +75,11 @@ class Histograms:
 
 
 def decode(names: Iterable[str], data: bytes) -> Mapping[str, Counts]:
-    """The counts by name, each of shape (BINS,). Raises ValueError when they are of other names."""
+    """The counts of an encoded block by name, each of shape (BINS,). Raises ValueError for another number of names."""
     listed = tuple(names)
     return dict(zip(listed, np.frombuffer(data, dtype=np.uint64).reshape(len(listed), BINS), strict=True))
 
 
 def size_of(names: Iterable[str]) -> int:
-    """Bytes of an encoded block."""
+    """Size of an encoded block [bytes]."""
     return 8 * BINS * len(tuple(names))

@@ -1,7 +1,7 @@
 """One rate keeper on an absolute grid: start + k * period, k = 0, 1, 2, ...
 
-A relative sleep drifts, and one that starts again at "now" forgets the grid. Here period k is over when
-its instant has passed: it is left out and counted, and nobody hurries after it.
+Relative sleeps drift, and a sleep that starts again at "now" leaves the grid. Here a period whose instant has passed
+is skipped and counted; it is never made up for.
 """
 
 import time
@@ -12,7 +12,7 @@ from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock, seconds_bet
 
 
 class Keeper(Protocol):
-    """Says for when the next image is, and waits until then."""
+    """Chooses the instant of the next image, and waits until then."""
 
     number: int
     skipped: int
@@ -23,24 +23,24 @@ class Keeper(Protocol):
 
 
 class RateKeeper:
-    """Waits for the instants of a grid that begins when it is first asked: opening a source is no late image."""
+    """Waits for the instants of a grid that begins at the first call, so that opening a source delays no image."""
 
     def __init__(self, rate_hz: float, clock: Clock, sleep: Callable[[float], None] = time.sleep) -> None:
         self.rate_hz = rate_hz
         self.number = -1
-        """Of the period that was chosen last, the skipped ones counted."""
+        """Number of the period that was chosen last; skipped periods count."""
         self.skipped = 0
         self._clock = clock
         self._sleep = sleep
         self._start: Instant | None = None
 
     def wait(self) -> Instant:
-        """Sleep until the next instant of the grid that is not over, and return it: always later than the last."""
+        """Sleep until the next instant of the grid that has not passed; returns it, always later than the last one."""
         self.choose()
         return self.sleep()
 
     def choose(self) -> Instant:
-        """The next instant of the grid that is not over, for work that must be done before it."""
+        """The next instant of the grid that has not passed, for work that must be done before it."""
         now = self._clock.now()
         if self._start is None:
             self._start = now
@@ -53,7 +53,7 @@ class RateKeeper:
         return self._instant(number)
 
     def sleep(self) -> Instant:
-        """Sleep until the chosen instant, not at all when it is over, and return it."""
+        """Sleep until the chosen instant, not at all when it has passed, and return it."""
         deadline = self._instant(self.number)
         while (now := self._clock.now()) < deadline:
             self._sleep(seconds_between(now, deadline))
@@ -65,38 +65,38 @@ class RateKeeper:
 
 
 def rate_keeper(rate_hz: float, clock: Clock, *, paced: bool) -> RateKeeper:
-    """A keeper in real time or, not paced, in virtual time that starts now and moves as fast as it is asked."""
+    """A keeper in real time or, not paced, in virtual time: it starts now, and each sleep moves it without waiting."""
     if paced:
         return RateKeeper(rate_hz, clock)
     virtual = ManualClock(clock.now())
     return RateKeeper(rate_hz, virtual, virtual.advance)
 
 
-class OrderedKeeper:
-    """The grid of somebody else, who orders one image after the other and says for when. Never waits.
+class RequestedKeeper:
+    """Follows the grid of another process, which requests one image after the other. Never waits.
 
-    Whoever orders may begin anew with a grid of its own: periods are counted by their instants.
+    That process may restart with another grid: periods are counted by their instants.
     """
 
     skipped = 0
-    """It is the orderer who knows."""
+    """The requesting process counts skipped periods."""
 
     def __init__(self, rate_hz: float) -> None:
         self.rate_hz = rate_hz
         self.number = -1
-        """Of the period that was ordered last, the skipped ones counted."""
+        """Number of the period that was requested last; skipped periods count."""
         self._origin: Instant | None = None
-        self._ordered = Instant(0)
+        self._requested = Instant(0)
 
-    def order(self, instant: Instant) -> None:
-        """The next image is for an instant, later than all before."""
+    def request(self, instant: Instant) -> None:
+        """Set the instant of the next image, later than all before."""
         if self._origin is None:
             self._origin = instant
         self.number = round(seconds_between(self._origin, instant) * self.rate_hz)
-        self._ordered = instant
+        self._requested = instant
 
     def choose(self) -> Instant:
-        """The instant that was ordered."""
-        return self._ordered
+        """The instant that was requested."""
+        return self._requested
 
     sleep = wait = choose

@@ -1,25 +1,25 @@
-"""A constant-velocity Kalman filter (white-noise acceleration), for one axis or several alike.
+"""A constant-velocity Kalman filter (white-noise acceleration), for one axis or for several with the same noise.
 
 State per axis: value and rate. Acceleration is white noise of spectral density q, so that over a time t
 
     F = [1 t; 0 1],   Q = q [t^3/3  t^2/2; t^2/2  t]        (Bar-Shalom et al. 2001, section 6.2.2)
 
-Q composes: two steps of t/2 give what one step of t gives, whatever the frame rate. Noise is alike
-on all axes and independent between them, so one 2x2 covariance serves every axis: variance of the value,
+Q composes: two steps of t/2 give what one step of t gives, so the frame rate does not matter. The noise of all
+axes is equal and independent, so one 2x2 covariance matrix serves every axis: variance of the value,
 covariance of value and rate, variance of the rate. The values themselves need one line each
-(value + rate * t; value + gain * innovation), which stands where they are kept.
+(value + rate * t; value + gain * innovation), which stands in the module of each kind of track.
 """
 
 from vision_core.native.kernels import kernel
 
 MANEUVER_S = 0.1
-"""How long an acceleration lasts; see `density_from_acceleration`."""
+"""Duration of one acceleration; see `density_from_acceleration`."""
 START_S = 0.5
-"""A new track may be as fast as this time of full acceleration makes it (one standard deviation)."""
+"""Standard deviation of a new track's velocity: full acceleration during this time."""
 
 
 def density_from_acceleration(acceleration: float) -> float:
-    """Spectral density of white noise that disturbs like accelerations of a standard deviation.
+    """Spectral density of the white noise that models accelerations of a standard deviation.
 
     Chosen so that a rate changes within `MANEUVER_S` by acceleration x MANEUVER_S (one standard
     deviation), at every frame rate. acceleration: [unit/s^2]; returns [unit^2/s^3].
@@ -28,7 +28,10 @@ def density_from_acceleration(acceleration: float) -> float:
 
 
 def start_variance(acceleration: float) -> float:
-    """Variance of the rate of a track that was seen once: it is thought at rest, and that is very unsure."""
+    """Variance of the rate of a track after its first sighting: the rate is 0, give or take `START_S` of acceleration.
+
+    acceleration: [unit/s^2]; returns [unit^2/s^2].
+    """
     return (acceleration * START_S) ** 2
 
 
@@ -36,9 +39,9 @@ def start_variance(acceleration: float) -> float:
 def predicted(
     variance: float, covariance: float, rate_variance: float, t: float, density: float
 ) -> tuple[float, float, float]:
-    """The covariances a duration t [s] later (or earlier, when negative), surer of nothing.
+    """The covariance matrix (variance, covariance, rate variance) a duration t [s] later; earlier when t < 0.
 
-    density: spectral density of the acceleration noise [unit^2/s^3].
+    Process noise is added in both directions of time. density: of the acceleration noise [unit^2/s^3].
     """
     span = abs(t)
     return (
@@ -52,9 +55,9 @@ def predicted(
 def corrected(
     variance: float, covariance: float, rate_variance: float, noise: float
 ) -> tuple[float, float, float, float, float]:
-    """Gain of the value, gain of the rate, and the covariances after a measurement of the value.
+    """Gain of the value, gain of the rate, and the covariance matrix after a measurement of the value.
 
-    noise: variance of the measurement [unit^2]. Gains apply to measured minus predicted value.
+    noise: variance of the measurement [unit^2]. The gains multiply the innovation, measured minus predicted value.
     """
     total = variance + noise
     gain, rate_gain = variance / total, covariance / total

@@ -1,15 +1,15 @@
-"""The lives of obstacles' tracks: things of robot size that nobody knows.
+"""The tracks of obstacles: objects of robot size that are not known robots.
 
-They are looked for at a lower rate than frames come, so between two *obstacle frames* they are predicted.
+Obstacles are detected at a lower rate than frames come, so they are predicted between two *obstacle frames*.
 
-- An obstacle appears with its second sighting in a row, within ``tracks.gate_m`` of the first: what flickers is none.
-  Later ones lie that near to where it is predicted.
-- Most obstacles stand. A track starts at rest and is disturbed by next to nothing, so that a sighting's noise neither
-  shakes it nor makes it drift. A sighting that lies farther away than noise explains frees its velocity: it follows at
-  once, as it does when a thing turns or stops.
-- The next obstacle frame tells where it is then, or that it is gone. Without one it is gone after its validity.
-- A robot is no obstacle: what lies within the outline of a robot's track is left out, when it is taken in (at the
-  instant of its own frame) and when the world is told.
+- An obstacle appears with its second sighting in a row, within ``tracks.gate_m`` of the first, so that flicker makes
+  no obstacle. Later sightings must lie within the same gate of the prediction.
+- Most obstacles stand still. A track starts at rest with very little process noise, so that the noise of sightings
+  neither moves it nor makes it drift. A sighting farther from the prediction than noise explains is a maneuver: the
+  velocity becomes uncertain again, and the track follows at once, as when an object starts, turns or stops.
+- Each obstacle frame continues a track or ends it. Without obstacle frames a track ends after its validity.
+- A robot is not an obstacle: positions within the outline of a robot's track are left out, both when an obstacle frame
+  is processed (at its instant) and when a world is written.
 """
 
 import math
@@ -20,104 +20,108 @@ from vision_core.tracks.filters import corrected, density_from_acceleration, pre
 from vision_core.tracks.state import Row
 from vision_core.types.tables import MAX_OBSTACLES, Table
 
-CONFIRMING = 2
-"""So many obstacle frames in a row make an obstacle."""
+MIN_SIGHTINGS = 2
+"""An object must be in so many obstacle frames in a row to be an obstacle."""
 OBSTACLES = 2
-"""Place of the obstacles in a table's counts."""
+"""Index of the obstacles in the counts of WORLD and TRACKER_STATE."""
 NOISE = 0.004**2
-"""Variance of a sighting's place [m^2]: the middle of a handful of cells."""
+"""Variance of a sighting's position [m^2]: the center of a few cells of the detector's grid."""
 CALM_DENSITY = density_from_acceleration(0.02)
-"""Of the acceleration noise while nothing startles [m^2/s^3]."""
+"""Spectral density of the acceleration noise while there is no maneuver [m^2/s^3]."""
 REST_VARIANCE = 0.02**2
-"""Of a new track's velocity [m^2/s^2]."""
-STARTLING_SIGMAS = 4.0
-"""Deviations from the prediction, of one axis, beyond which it is the motion that changed."""
-FASTEST_M_S = 3.0
-"""What moves faster is a mistake of pairing."""
+"""Variance of a new track's velocity [m^2/s^2]."""
+MANEUVER_SIGMAS = 4.0
+"""A sighting that deviates from the prediction by more standard deviations (of one axis) is a maneuver."""
+MAX_SPEED_M_S = 3.0
+"""A higher speed comes from a wrong pair of sightings, and is cut to this."""
 
 
 @kernel
-def update_obstacles(rules: Row, state: Row, things: Table, count: int, at: int, world: Row) -> None:
-    """Take in one obstacle frame, later than all before. Rows of RULES, STATE and WORLD (its robots at this instant).
+def update_obstacles(parameters: Row, state: Row, obstacles: Table, count: int, at: int, world: Row) -> None:
+    """Process one obstacle frame, later than all before.
 
-    things: rows of OBSTACLE, of which count hold.
+    Rows of PARAMETERS, TRACKER_STATE and WORLD (its robots at this instant). obstacles: rows of OBSTACLE, of which the
+    first count are valid.
     """
-    fresh, kept = state.fresh, 0
+    # Every sighting that is not on a robot starts a track.
+    new, kept = state.new_obstacles, 0
     for index in range(min(count, MAX_OBSTACLES)):
-        thing = things[index]
-        if not math.isfinite(thing.x_m + thing.y_m + thing.radius_m):
+        obstacle = obstacles[index]
+        if not math.isfinite(obstacle.x_m + obstacle.y_m + obstacle.radius_m):
             continue
-        if is_robot(rules, world, thing.x_m, thing.y_m):
+        if is_robot(parameters, world, obstacle.x_m, obstacle.y_m):
             continue
-        appear(fresh[kept], thing, at)
+        start_obstacle(new[kept], obstacle, at)
         kept += 1
-    while continue_nearest(rules, state, kept, at):
+    # New tracks near an old one inherit its velocity and its number of sightings; then they replace the old ones.
+    while continue_nearest(parameters, state, kept, at):
         pass
     for index in range(kept):
-        state.obstacles[index] = fresh[index]
+        state.obstacles[index] = new[index]
     state.counts[OBSTACLES] = kept
     state.obstacles_at = at
 
 
 @kernel
-def appear(life: Row, thing: Row, at: int) -> None:
-    """A new track, at rest, of a sighting: a row of OBSTACLE."""
-    life.x_m, life.y_m, life.vx_m_s, life.vy_m_s = thing.x_m, thing.y_m, 0.0, 0.0
-    life.variance, life.covariance, life.rate_variance = NOISE, 0.0, REST_VARIANCE
-    life.radius_m, life.seen, life.sightings = thing.radius_m, at, 1
+def start_obstacle(track: Row, sighting: Row, at: int) -> None:
+    """Fill in a new track, at rest, from a sighting: a row of OBSTACLE."""
+    track.x_m, track.y_m, track.vx_m_s, track.vy_m_s = sighting.x_m, sighting.y_m, 0.0, 0.0
+    track.variance, track.covariance, track.rate_variance = NOISE, 0.0, REST_VARIANCE
+    track.radius_m, track.seen, track.sightings = sighting.radius_m, at, 1
 
 
 @kernel
-def continue_nearest(rules: Row, state: Row, kept: int, at: int) -> bool:
-    """Join the new sighting and the old track predicted nearest to it, when any are left within the gate."""
-    nearest, new, old = rules.gate_m**2, -1, -1
+def continue_nearest(parameters: Row, state: Row, kept: int, at: int) -> bool:
+    """Join the new track and the old track whose prediction is nearest to it; False: no pair within the gate."""
+    nearest, new, old = parameters.gate_m**2, -1, -1
     for index in range(kept):
-        thing = state.fresh[index]
-        if thing.sightings > 1:
+        sighted = state.new_obstacles[index]
+        if sighted.sightings > 1:
             continue
         for row in range(state.counts[OBSTACLES]):
-            life = state.obstacles[row]
-            if life.sightings == 0 or at - life.seen > rules.obstacle_validity_ns:
+            track = state.obstacles[row]
+            if track.sightings == 0 or at - track.seen > parameters.obstacle_validity_ns:
                 continue
-            t = (at - life.seen) / NS_PER_S
-            dx, dy = thing.x_m - life.x_m - life.vx_m_s * t, thing.y_m - life.y_m - life.vy_m_s * t
+            t = (at - track.seen) / NS_PER_S
+            dx, dy = sighted.x_m - track.x_m - track.vx_m_s * t, sighted.y_m - track.y_m - track.vy_m_s * t
             distance = dx**2 + dy**2
             if distance <= nearest:
                 nearest, new, old = distance, index, row
     if new < 0:
         return False
-    go_on(rules, state.obstacles[old], state.fresh[new])
+    continue_track(parameters, state.obstacles[old], state.new_obstacles[new])
     state.obstacles[old].sightings = 0
     return True
 
 
 @kernel
-def go_on(rules: Row, old: Row, life: Row) -> None:
-    """Make a track that has just appeared, at a sighting's place, the continuation of an old one."""
-    t = (life.seen - old.seen) / NS_PER_S
+def continue_track(parameters: Row, old: Row, new: Row) -> None:
+    """Make a track that was just started at a sighting's position the continuation of an old one."""
+    t = (new.seen - old.seen) / NS_PER_S
     x, y = old.x_m + old.vx_m_s * t, old.y_m + old.vy_m_s * t
-    dx, dy = life.x_m - x, life.y_m - y
+    dx, dy = new.x_m - x, new.y_m - y
     variance, covariance, rate_variance = predicted(old.variance, old.covariance, old.rate_variance, t, CALM_DENSITY)
-    if dx**2 + dy**2 > STARTLING_SIGMAS**2 * (variance + NOISE):
-        variance, covariance, rate_variance = predicted(old.variance, 0.0, rules.robot_start, t, CALM_DENSITY)
-    gain, rate_gain, life.variance, life.covariance, life.rate_variance = corrected(
+    # Maneuver detected: predict again, with the velocity as uncertain as a robot's after its first sighting.
+    if dx**2 + dy**2 > MANEUVER_SIGMAS**2 * (variance + NOISE):
+        variance, covariance, rate_variance = predicted(old.variance, 0.0, parameters.robot_start, t, CALM_DENSITY)
+    gain, rate_gain, new.variance, new.covariance, new.rate_variance = corrected(
         variance, covariance, rate_variance, NOISE
     )
-    life.x_m, life.y_m = x + gain * dx, y + gain * dy
+    new.x_m, new.y_m = x + gain * dx, y + gain * dy
     vx, vy = old.vx_m_s + rate_gain * dx, old.vy_m_s + rate_gain * dy
-    slowed = FASTEST_M_S / max(math.hypot(vx, vy), FASTEST_M_S)
-    life.vx_m_s, life.vy_m_s = slowed * vx, slowed * vy
-    life.sightings = old.sightings + 1
+    slowed = MAX_SPEED_M_S / max(math.hypot(vx, vy), MAX_SPEED_M_S)
+    new.vx_m_s, new.vy_m_s = slowed * vx, slowed * vy
+    new.sightings = old.sightings + 1
 
 
 @kernel
-def is_robot(rules: Row, world: Row, x_m: float, y_m: float) -> bool:
-    """Whether a place lies within the outline of a robot of a world."""
+def is_robot(parameters: Row, world: Row, x_m: float, y_m: float) -> bool:
+    """Whether a position lies within the outline of a robot of a world."""
     for index in range(world.counts[0]):
         robot = world.robots[index]
         dx, dy = x_m - robot.x_m, y_m - robot.y_m
-        radius = rules.radius_m[robot.team]
-        if rules.square[robot.team]:
+        radius = parameters.radius_m[robot.team]
+        if parameters.square[robot.team]:
             c, s = math.cos(robot.heading_rad), math.sin(robot.heading_rad)
             if max(abs(c * dx + s * dy), abs(c * dy - s * dx)) <= radius:
                 return True
@@ -127,19 +131,19 @@ def is_robot(rules: Row, world: Row, x_m: float, y_m: float) -> bool:
 
 
 @kernel
-def write_obstacles(rules: Row, state: Row, at: int, world: Row) -> None:
-    """The obstacles predicted to an instant of a world whose robots are written already."""
+def write_obstacles(parameters: Row, state: Row, at: int, world: Row) -> None:
+    """Write the obstacles predicted to an instant into a world whose robots are written already."""
     count = 0
     for row in range(state.counts[OBSTACLES]):
-        life = state.obstacles[row]
-        if life.sightings < CONFIRMING or at - life.seen > rules.obstacle_validity_ns:
+        track = state.obstacles[row]
+        if track.sightings < MIN_SIGHTINGS or at - track.seen > parameters.obstacle_validity_ns:
             continue
-        t = (at - life.seen) / NS_PER_S
-        x, y = life.x_m + life.vx_m_s * t, life.y_m + life.vy_m_s * t
-        if is_robot(rules, world, x, y):
+        t = (at - track.seen) / NS_PER_S
+        x, y = track.x_m + track.vx_m_s * t, track.y_m + track.vy_m_s * t
+        if is_robot(parameters, world, x, y):
             continue
-        track = world.obstacles[count]
-        track.x_m, track.y_m, track.vx_m_s, track.vy_m_s = x, y, life.vx_m_s, life.vy_m_s
-        track.radius_m, track.seen = life.radius_m, life.seen
+        written = world.obstacles[count]
+        written.x_m, written.y_m, written.vx_m_s, written.vy_m_s = x, y, track.vx_m_s, track.vy_m_s
+        written.radius_m, written.seen = track.radius_m, track.seen
         count += 1
     world.counts[OBSTACLES] = count

@@ -1,256 +1,262 @@
-"""The lives of robots' tracks.
+"""The tracks of robots.
 
 Each frame, in this order:
 
-1. Tracks unseen for longer than their validity end.
-2. A sighting with an id continues the track of that team and id, if it lies within the track's reach.
-3. What is left over (sightings without an id, or whose id's track is elsewhere) continues the nearest track of
-   the same team that step 2 left over. The track keeps its id: place decides before name.
-4. A foreign id read twice in a row on the same track is believed: the track takes it over. Whoever held
-   it loses it, unless it was read there, too, in the same frame (two robots with one marker: the one
-   that had the id keeps it, the other one stays nameless). A nameless track takes a free id at once.
+1. Tracks unseen for longer than their validity are deleted.
+2. A sighting with an id continues the track of that team and id, if it lies within the track's gate.
+3. The remaining sightings (without an id, or outside the gate of the track with their id) continue the nearest track
+   of the same team that step 2 left over. The track keeps its id: position decides before id.
+4. Another id that is read twice in a row on the same track is accepted: the track takes it over. The track that had
+   it loses it, unless its own id was read in the same frame, too (two robots with one marker: the track that had the
+   id keeps it, the other one stays without). A track without an id takes a free id at once.
 5. Every other sighting starts a track **at once**, so that a robot is served from its first frame and is an edge
-   in the others' views. If its id is alive elsewhere, the new track is nameless: one false reading moves no
+   in the others' views. If its id belongs to another track, the new track has no id: one false reading moves no
    robot, a true jump is confirmed by the next frame (rule 4).
-6. A nameless track that was seen only once is dropped by the first frame that does not show it.
-7. Beyond MAX_ROBOTS the nameless that were unseen for longest go first, so that a flicker of false robots costs
-   bounded time and room.
+6. A track without an id that was seen only once is deleted by the first frame that does not show it.
+7. Beyond MAX_ROBOTS, tracks without an id that were unseen for longest are deleted first, so that a flicker of false
+   robots costs bounded time and memory.
 
 Recall goes before precision here: a missing robot silences its client and is a collision for the others, a false one
-is an edge too many for one frame. An id is evidence of its own (five dots that fit), so a robot with an
-id is predicted for its whole validity even when it was seen but once; a nameless one must be seen twice.
+is an edge too many for one frame. An id is evidence of its own (five dots in their places), so a robot with an
+id is predicted for its whole validity even after a single sighting; one without an id must be seen twice.
 
-A heading that was not seen is predicted; before it was ever seen it may be any, and says so.
+A heading that was not seen is predicted; before its first sighting it has the variance of a uniform distribution.
 """
 
 import math
 
 from vision_core.clock import NS_PER_S
+from vision_core.native.angles import wrap_angle
 from vision_core.native.kernels import kernel
 from vision_core.tracks.filters import corrected, predicted
 from vision_core.tracks.pairing import pair_nearest
 from vision_core.tracks.state import UNKNOWN_HEADING_VARIANCE, Row
 from vision_core.types.tables import MAX_ROBOTS, NO_ID, Table
 
-CONFIRMING = 2
+MIN_READINGS = 2
 """So many readings in a row give a track another id."""
 ROBOTS = 0
-"""Place of the robots in a table's counts."""
+"""Index of the robots in the counts of every table."""
 
 
 @kernel
-def update_robots(rules: Row, state: Row, seen: Row, at: int) -> None:
-    """Take in one frame's robots, grabbed at an instant later than all before. Rows of RULES, STATE and SIGHTINGS."""
-    lives, sightings, pairs, taken = state.robots, seen.robots, state.pairs, state.taken
-    foresee(rules, state, at)
+def update_robots(parameters: Row, state: Row, seen: Row, at: int) -> None:
+    """Process the robots of one frame, grabbed at an instant later than all before.
+
+    Rows of PARAMETERS, TRACKER_STATE and SIGHTINGS.
+    """
+    tracks, sightings, pairs, taken = state.robots, seen.robots, state.pairs, state.taken
+    predict_all(parameters, state, at)
     count = state.counts[ROBOTS]
     found = seen.counts[ROBOTS]
+    # Sightings without a finite position are never used.
     for column in range(found):
         sighting = sightings[column]
         taken[column] = not math.isfinite(sighting.x_m + sighting.y_m + sighting.position_sd_m)
-    by_name = pair_nearest(rules, state, count, sightings, found, 0, True)
-    by_place = pair_nearest(rules, state, count, sightings, found, by_name, False)
-    for pair in range(by_place):
-        correct(rules, lives[pairs[pair, 0]], sightings[pairs[pair, 1]], at)
-    for pair in range(by_name):
-        life = lives[pairs[pair, 0]]
-        life.read = 1
-        life.claim, life.claims = NO_ID, 0
-    for pair in range(by_name, by_place):
-        weigh_id(lives, count, lives[pairs[pair, 0]], sightings[pairs[pair, 1]].id, at)
+    # Pairs by id, then by position alone; pairs 0..by_id agree in their ids.
+    by_id = pair_nearest(parameters, state, count, sightings, found, 0, True)
+    by_position = pair_nearest(parameters, state, count, sightings, found, by_id, False)
+    for pair in range(by_position):
+        correct_track(parameters, tracks[pairs[pair, 0]], sightings[pairs[pair, 1]], at)
+    for pair in range(by_id):
+        track = tracks[pairs[pair, 0]]
+        track.id_read = 1
+        track.candidate_id, track.candidate_readings = NO_ID, 0
+    for pair in range(by_id, by_position):
+        resolve_id(tracks, count, tracks[pairs[pair, 0]], sightings[pairs[pair, 1]].id, at)
+    # The sightings that are left start tracks.
     for column in range(found):
         if not taken[column]:
-            start(rules, lives, count, sightings[column], at)
+            start_track(parameters, tracks, count, sightings[column], at)
             count += 1
-    state.counts[ROBOTS] = bury(lives, count, at)
+    state.counts[ROBOTS] = delete_expired(tracks, count, at)
 
 
 @kernel
-def foresee(rules: Row, state: Row, at: int) -> None:
-    """Rule 1, and every other track's place at an instant."""
-    lives = state.robots
+def predict_all(parameters: Row, state: Row, at: int) -> None:
+    """Rule 1, and the position of every other track predicted to an instant."""
+    tracks = state.robots
     kept = 0
     for row in range(state.counts[ROBOTS]):
-        if at - lives[row].seen > rules.validity_ns:
+        if at - tracks[row].seen > parameters.validity_ns:
             continue
         if kept != row:
-            lives[kept] = lives[row]
-        life = lives[kept]
-        t = (at - life.seen) / NS_PER_S
-        life.ahead_x_m = life.x_m + life.vx_m_s * t
-        life.ahead_y_m = life.y_m + life.vy_m_s * t
-        life.ahead_variance, life.ahead_covariance, life.ahead_rate_variance = predicted(
-            life.variance, life.covariance, life.rate_variance, t, rules.robot_density
+            tracks[kept] = tracks[row]
+        track = tracks[kept]
+        t = (at - track.seen) / NS_PER_S
+        track.predicted_x_m = track.x_m + track.vx_m_s * t
+        track.predicted_y_m = track.y_m + track.vy_m_s * t
+        track.predicted_variance, track.predicted_covariance, track.predicted_rate_variance = predicted(
+            track.variance, track.covariance, track.rate_variance, t, parameters.robot_density
         )
-        life.paired = life.read = life.gone = 0
+        track.paired = track.id_read = track.expired = 0
         kept += 1
     state.counts[ROBOTS] = kept
 
 
 @kernel
-def correct(rules: Row, life: Row, sighting: Row, at: int) -> None:
-    """Continue a track whose place was predicted to this frame with what the frame shows of it."""
-    noise = rules.robot_noise + sighting.position_sd_m**2
-    gain, rate_gain, life.variance, life.covariance, life.rate_variance = corrected(
-        life.ahead_variance, life.ahead_covariance, life.ahead_rate_variance, noise
+def correct_track(parameters: Row, track: Row, sighting: Row, at: int) -> None:
+    """Correct a track that is predicted to this frame with its sighting."""
+    noise = parameters.robot_noise + sighting.position_sd_m**2
+    gain, rate_gain, track.variance, track.covariance, track.rate_variance = corrected(
+        track.predicted_variance, track.predicted_covariance, track.predicted_rate_variance, noise
     )
-    dx, dy = sighting.x_m - life.ahead_x_m, sighting.y_m - life.ahead_y_m
-    life.x_m, life.y_m = life.ahead_x_m + gain * dx, life.ahead_y_m + gain * dy
-    life.vx_m_s += rate_gain * dx
-    life.vy_m_s += rate_gain * dy
-    turn(rules, life, sighting, (at - life.seen) / NS_PER_S)
-    life.confidence = sighting.confidence
-    life.seen = at
-    life.sightings += 1
+    dx, dy = sighting.x_m - track.predicted_x_m, sighting.y_m - track.predicted_y_m
+    track.x_m, track.y_m = track.predicted_x_m + gain * dx, track.predicted_y_m + gain * dy
+    track.vx_m_s += rate_gain * dx
+    track.vy_m_s += rate_gain * dy
+    update_heading(parameters, track, sighting, (at - track.seen) / NS_PER_S)
+    track.confidence = sighting.confidence
+    track.seen = at
+    track.sightings += 1
 
 
 @kernel
-def turn(rules: Row, life: Row, sighting: Row, t: float) -> None:
-    """Predict a track's heading over a time t [s] and correct it with a sighting's, where there is one."""
-    shown = math.isfinite(sighting.heading_rad + sighting.heading_sd_rad)
-    if not life.headed:
-        if shown:
-            face(rules, life, sighting)
+def update_heading(parameters: Row, track: Row, sighting: Row, t: float) -> None:
+    """Predict a track's heading over a time t [s], and correct it if the sighting has a heading."""
+    seen = math.isfinite(sighting.heading_rad + sighting.heading_sd_rad)
+    if not track.heading_known:
+        if seen:
+            start_heading(parameters, track, sighting)
         return
-    life.heading_rad += life.turn_rad_s * t
-    life.heading_variance, life.heading_covariance, life.turn_variance = predicted(
-        life.heading_variance, life.heading_covariance, life.turn_variance, t, rules.turn_density
+    track.heading_rad += track.turn_rad_s * t
+    track.heading_variance, track.heading_covariance, track.turn_variance = predicted(
+        track.heading_variance, track.heading_covariance, track.turn_variance, t, parameters.turn_density
     )
-    if not shown:
+    if not seen:
         return
-    noise = rules.heading_noise + sighting.heading_sd_rad**2
-    gain, rate_gain, life.heading_variance, life.heading_covariance, life.turn_variance = corrected(
-        life.heading_variance, life.heading_covariance, life.turn_variance, noise
+    noise = parameters.heading_noise + sighting.heading_sd_rad**2
+    gain, rate_gain, track.heading_variance, track.heading_covariance, track.turn_variance = corrected(
+        track.heading_variance, track.heading_covariance, track.turn_variance, noise
     )
-    swing = wrapped(sighting.heading_rad - life.heading_rad)
-    life.heading_rad = wrapped(life.heading_rad + gain * swing)
-    life.turn_rad_s += rate_gain * swing
+    innovation = wrap_angle(sighting.heading_rad - track.heading_rad)
+    track.heading_rad = wrap_angle(track.heading_rad + gain * innovation)
+    track.turn_rad_s += rate_gain * innovation
 
 
 @kernel
-def face(rules: Row, life: Row, sighting: Row) -> None:
-    """A track's first heading."""
-    life.headed = 1
-    life.heading_rad, life.turn_rad_s = sighting.heading_rad, 0.0
-    life.heading_variance = rules.heading_noise + sighting.heading_sd_rad**2
-    life.heading_covariance, life.turn_variance = 0.0, rules.turn_start
+def start_heading(parameters: Row, track: Row, sighting: Row) -> None:
+    """Set a track's first heading."""
+    track.heading_known = 1
+    track.heading_rad, track.turn_rad_s = sighting.heading_rad, 0.0
+    track.heading_variance = parameters.heading_noise + sighting.heading_sd_rad**2
+    track.heading_covariance, track.turn_variance = 0.0, parameters.turn_start
 
 
 @kernel
-def wrapped(angle_rad: float) -> float:
-    """The same angle in [-pi, pi) [rad]."""
-    return (angle_rad + math.pi) % (2.0 * math.pi) - math.pi
-
-
-@kernel
-def holder_of(lives: Table, count: int, team: int, marker: int) -> int:
-    """The track that has an id: its row, or -1."""
+def find_by_id(tracks: Table, count: int, team: int, marker: int) -> int:
+    """Row of the track that has an id, -1 for none."""
     for row in range(count):
-        if lives[row].team == team and lives[row].id == marker and not lives[row].gone:
+        if tracks[row].team == team and tracks[row].id == marker and not tracks[row].expired:
             return row
     return -1
 
 
 @kernel
-def weigh_id(lives: Table, count: int, life: Row, reading: int, at: int) -> None:
-    """Rule 4: a track that was continued by place, not by name, may take over the id that was read."""
+def resolve_id(tracks: Table, count: int, track: Row, reading: int, at: int) -> None:
+    """Rule 4: a track that was continued by its position may take over the id that was read."""
     if reading == NO_ID:
         return
-    holder = holder_of(lives, count, life.team, reading)
-    if holder >= 0 and lives[holder].read:
-        life.claim, life.claims = NO_ID, 0
+    owner = find_by_id(tracks, count, track.team, reading)
+    if owner >= 0 and tracks[owner].id_read:
+        track.candidate_id, track.candidate_readings = NO_ID, 0
         return
-    life.claims = life.claims + 1 if life.claim == reading else 1
-    life.claim = reading
-    if life.claims < CONFIRMING and (life.id != NO_ID or holder >= 0):
+    track.candidate_readings = track.candidate_readings + 1 if track.candidate_id == reading else 1
+    track.candidate_id = reading
+    if track.candidate_readings < MIN_READINGS and (track.id != NO_ID or owner >= 0):
         return
-    if holder >= 0:
-        lives[holder].id = NO_ID
-        lives[holder].gone = lives[holder].seen != at
-    life.id, life.claim, life.claims = reading, NO_ID, 0
+    # Accepted. The former owner goes on without an id, or is deleted if this frame did not show it.
+    if owner >= 0:
+        tracks[owner].id = NO_ID
+        tracks[owner].expired = tracks[owner].seen != at
+    track.id, track.candidate_id, track.candidate_readings = reading, NO_ID, 0
 
 
 @kernel
-def start(rules: Row, lives: Table, count: int, sighting: Row, at: int) -> None:
-    """Rule 5: write a new track behind the last one."""
-    life = lives[count]
-    life.team, life.id = sighting.team, sighting.id
-    life.claim, life.claims = NO_ID, 0
-    holder = holder_of(lives, count, sighting.team, sighting.id) if sighting.id != NO_ID else -1
-    if holder >= 0:
-        life.id = NO_ID
-        if not lives[holder].read:
-            life.claim, life.claims = sighting.id, 1
-    life.x_m, life.y_m, life.vx_m_s, life.vy_m_s = sighting.x_m, sighting.y_m, 0.0, 0.0
-    life.variance = rules.robot_noise + sighting.position_sd_m**2
-    life.covariance, life.rate_variance = 0.0, rules.robot_start
-    life.headed, life.heading_rad, life.turn_rad_s = 0, 0.0, 0.0
-    life.heading_variance, life.heading_covariance, life.turn_variance = UNKNOWN_HEADING_VARIANCE, 0.0, 0.0
+def start_track(parameters: Row, tracks: Table, count: int, sighting: Row, at: int) -> None:
+    """Rule 5: fill in a new track in row count."""
+    track = tracks[count]
+    track.team, track.id = sighting.team, sighting.id
+    track.candidate_id, track.candidate_readings = NO_ID, 0
+    owner = find_by_id(tracks, count, sighting.team, sighting.id) if sighting.id != NO_ID else -1
+    if owner >= 0:
+        track.id = NO_ID
+        if not tracks[owner].id_read:
+            track.candidate_id, track.candidate_readings = sighting.id, 1
+    track.x_m, track.y_m, track.vx_m_s, track.vy_m_s = sighting.x_m, sighting.y_m, 0.0, 0.0
+    track.variance = parameters.robot_noise + sighting.position_sd_m**2
+    track.covariance, track.rate_variance = 0.0, parameters.robot_start
+    track.heading_known, track.heading_rad, track.turn_rad_s = 0, 0.0, 0.0
+    track.heading_variance, track.heading_covariance, track.turn_variance = UNKNOWN_HEADING_VARIANCE, 0.0, 0.0
     if math.isfinite(sighting.heading_rad + sighting.heading_sd_rad):
-        face(rules, life, sighting)
-    life.confidence, life.seen, life.sightings = sighting.confidence, at, 1
-    life.paired = life.read = life.gone = 0
+        start_heading(parameters, track, sighting)
+    track.confidence, track.seen, track.sightings = sighting.confidence, at, 1
+    track.paired = track.id_read = track.expired = 0
 
 
 @kernel
-def bury(lives: Table, count: int, at: int) -> int:
-    """Rules 6 and 7; how many tracks are left, in the order of their starts."""
+def delete_expired(tracks: Table, count: int, at: int) -> int:
+    """Rules 6 and 7; returns how many tracks are left. Their order does not change."""
+    # Rule 6, and tracks whose id another track took over.
     kept = 0
     for row in range(count):
-        life = lives[row]
-        if life.gone or (life.seen != at and life.id == NO_ID and life.sightings == 1):
+        track = tracks[row]
+        if track.expired or (track.seen != at and track.id == NO_ID and track.sightings == 1):
             continue
         if kept != row:
-            lives[kept] = lives[row]
+            tracks[kept] = tracks[row]
         kept += 1
+    # Rule 7: one by one, the least useful track goes.
     while kept > MAX_ROBOTS:
         least = 0
         for row in range(1, kept):
-            named, least_named = lives[row].id != NO_ID, lives[least].id != NO_ID
-            if named < least_named or (named == least_named and lives[row].seen <= lives[least].seen):
+            has_id, least_has_id = tracks[row].id != NO_ID, tracks[least].id != NO_ID
+            if has_id < least_has_id or (has_id == least_has_id and tracks[row].seen <= tracks[least].seen):
                 least = row
         kept -= 1
         for row in range(least, kept):
-            lives[row] = lives[row + 1]
+            tracks[row] = tracks[row + 1]
     return kept
 
 
 @kernel
-def write_robots(rules: Row, state: Row, at: int, world: Row) -> None:
-    """All robots predicted to an instant, ordered by team and id, the nameless last. world: a row of WORLD."""
-    lives, order = state.robots, state.order
-    living = 0
+def write_robots(parameters: Row, state: Row, at: int, world: Row) -> None:
+    """Write all robots predicted to an instant, sorted by team and id, without an id last. world: a row of WORLD."""
+    tracks, rows = state.robots, state.sorted
+    count = 0
     for row in range(state.counts[ROBOTS]):
-        if at - lives[row].seen > rules.validity_ns:
+        if at - tracks[row].seen > parameters.validity_ns:
             continue
-        place = living
-        while place > 0 and _rank(lives[order[place - 1]]) > _rank(lives[row]):
-            order[place] = order[place - 1]
+        # Insertion sort: there are few robots, and they are almost sorted.
+        place = count
+        while place > 0 and _sort_key(tracks[rows[place - 1]]) > _sort_key(tracks[row]):
+            rows[place] = rows[place - 1]
             place -= 1
-        order[place] = row
-        living += 1
-    world.counts[ROBOTS] = living
-    for index in range(living):
-        _write(rules, lives[order[index]], at, world.robots[index])
+        rows[place] = row
+        count += 1
+    world.counts[ROBOTS] = count
+    for index in range(count):
+        _write_robot(parameters, tracks[rows[index]], at, world.robots[index])
 
 
 @kernel
-def _rank(life: Row) -> int:
-    rank: int = (life.team << 40) + (life.id if life.id != NO_ID else 1 << 32)
-    return rank
+def _sort_key(track: Row) -> int:
+    key: int = (track.team << 40) + (track.id if track.id != NO_ID else 1 << 32)
+    return key
 
 
 @kernel
-def _write(rules: Row, life: Row, at: int, track: Row) -> None:
-    t = (at - life.seen) / NS_PER_S
-    track.team, track.id = life.team, life.id
-    track.x_m, track.y_m = life.x_m + life.vx_m_s * t, life.y_m + life.vy_m_s * t
-    track.vx_m_s, track.vy_m_s = life.vx_m_s, life.vy_m_s
-    track.heading_rad, track.turn_rad_s = wrapped(life.heading_rad + life.turn_rad_s * t), life.turn_rad_s
-    variance, _, _ = predicted(life.variance, life.covariance, life.rate_variance, t, rules.robot_density)
-    track.position_sd_m = math.sqrt(variance)
+def _write_robot(parameters: Row, track: Row, at: int, written: Row) -> None:
+    """Predict one track into a row of ROBOT_TRACK."""
+    t = (at - track.seen) / NS_PER_S
+    written.team, written.id = track.team, track.id
+    written.x_m, written.y_m = track.x_m + track.vx_m_s * t, track.y_m + track.vy_m_s * t
+    written.vx_m_s, written.vy_m_s = track.vx_m_s, track.vy_m_s
+    written.heading_rad, written.turn_rad_s = wrap_angle(track.heading_rad + track.turn_rad_s * t), track.turn_rad_s
+    variance, _, _ = predicted(track.variance, track.covariance, track.rate_variance, t, parameters.robot_density)
+    written.position_sd_m = math.sqrt(variance)
     variance, _, _ = predicted(
-        life.heading_variance, life.heading_covariance, life.turn_variance, t, rules.turn_density
+        track.heading_variance, track.heading_covariance, track.turn_variance, t, parameters.turn_density
     )
-    track.heading_sd_rad = math.sqrt(min(variance, UNKNOWN_HEADING_VARIANCE))
-    track.confidence, track.seen = life.confidence, life.seen
+    written.heading_sd_rad = math.sqrt(min(variance, UNKNOWN_HEADING_VARIANCE))
+    written.confidence, written.seen = track.confidence, track.seen

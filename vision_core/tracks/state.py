@@ -1,6 +1,6 @@
-"""What the tracker remembers, and by which rules it goes: one structured array each, of one row.
+"""The tracker's memory and parameters: one structured array each, of one row.
 
-Both are what the kernels of this stage take, so that a larger kernel can hold the stage whole.
+Both are arguments of this stage's kernels, so that a larger kernel can contain the whole stage.
 """
 
 import math
@@ -15,54 +15,56 @@ from vision_core.tracks.filters import density_from_acceleration, start_variance
 from vision_core.types.tables import MAX_BALLS, MAX_OBSTACLES, MAX_ROBOTS, TEAMS, Table
 
 Row: TypeAlias = Any
-"""One row of a table, as kernels take it: its fields are attributes."""
+"""One row of a table in a kernel: its fields are attributes."""
 GATE_SIGMAS = 3.0
 UNKNOWN_HEADING_VARIANCE = math.pi**2 / 3.0
-"""Of an angle that may be any."""
+"""Variance of an angle that is uniformly distributed over the circle [rad^2]."""
 NEVER = -1
-"""Instant of a frame that has not come."""
+"""Instant of a frame that has not come yet."""
 
-PLACE = [
+KINEMATICS = [
     ("x_m", np.float64), ("y_m", np.float64), ("vx_m_s", np.float64), ("vy_m_s", np.float64),
     ("variance", np.float64), ("covariance", np.float64), ("rate_variance", np.float64),
 ]  # fmt: skip
-"""A place on the floor as of its last sighting, and the covariances that x and y share."""
+"""Position and velocity on the floor at the last sighting, and the covariance matrix that x and y share."""
 
-ROBOT_LIFE = np.dtype(
+ROBOT_STATE = np.dtype(
     [
-        ("team", np.int32), ("id", np.int32), *PLACE,
-        ("heading_rad", np.float64), ("turn_rad_s", np.float64), ("headed", np.int64),
+        ("team", np.int32), ("id", np.int32), *KINEMATICS,
+        ("heading_rad", np.float64), ("turn_rad_s", np.float64), ("heading_known", np.int64),
         ("heading_variance", np.float64), ("heading_covariance", np.float64), ("turn_variance", np.float64),
         ("confidence", np.float64), ("seen", np.int64), ("sightings", np.int64),
-        ("claim", np.int32), ("claims", np.int32),
-        ("ahead_x_m", np.float64), ("ahead_y_m", np.float64),
-        ("ahead_variance", np.float64), ("ahead_covariance", np.float64), ("ahead_rate_variance", np.float64),
-        ("paired", np.int64), ("read", np.int64), ("gone", np.int64),
+        ("candidate_id", np.int32), ("candidate_readings", np.int32),
+        ("predicted_x_m", np.float64), ("predicted_y_m", np.float64), ("predicted_variance", np.float64),
+        ("predicted_covariance", np.float64), ("predicted_rate_variance", np.float64),
+        ("paired", np.int64), ("id_read", np.int64), ("expired", np.int64),
         ("nearest", np.int64), ("distance_m2", np.float64),
     ]
 )  # fmt: skip
-"""A robot. headed: its heading was seen at least once. claim: a foreign id that was read here, claims: how often in
-a row. The rest serves one frame: predicted to its instant; paired with a sighting; read under its own id; gone with
-its id to another track; the nearest free sighting and its squared distance."""
+"""The track of a robot. heading_known: the heading was seen at least once. candidate_id: another id that was read on
+this track, candidate_readings times in a row. The fields after these are scratch memory of one frame: the prediction
+to its instant; paired: with a sighting; id_read: the track's own id was read; expired: to be deleted, as another track
+took its id; nearest: the nearest free sighting, distance_m2: its squared distance."""
 
-BALL_LIFE = np.dtype([*PLACE, ("seen", np.int64)])
+BALL_STATE = np.dtype([*KINEMATICS, ("seen", np.int64)])
 
-OBSTACLE_LIFE = np.dtype([*PLACE, ("radius_m", np.float64), ("seen", np.int64), ("sightings", np.int64)])
+OBSTACLE_STATE = np.dtype([*KINEMATICS, ("radius_m", np.float64), ("seen", np.int64), ("sightings", np.int64)])
 
-STATE = np.dtype(
+TRACKER_STATE = np.dtype(
     [
         ("frames", np.int64), ("refused", np.int64), ("frame_number", np.int64), ("grabbed", np.int64),
         ("obstacles_at", np.int64), ("counts", np.int64, (3,)),
-        ("robots", ROBOT_LIFE, (2 * MAX_ROBOTS,)),
-        ("taken", np.int64, (MAX_ROBOTS,)), ("pairs", np.int64, (MAX_ROBOTS, 2)), ("order", np.int64, (MAX_ROBOTS,)),
-        ("balls", BALL_LIFE, (1 + MAX_BALLS,)),
-        ("obstacles", OBSTACLE_LIFE, (MAX_OBSTACLES,)), ("fresh", OBSTACLE_LIFE, (MAX_OBSTACLES,)),
+        ("robots", ROBOT_STATE, (2 * MAX_ROBOTS,)),
+        ("taken", np.int64, (MAX_ROBOTS,)), ("pairs", np.int64, (MAX_ROBOTS, 2)), ("sorted", np.int64, (MAX_ROBOTS,)),
+        ("balls", BALL_STATE, (1 + MAX_BALLS,)),
+        ("obstacles", OBSTACLE_STATE, (MAX_OBSTACLES,)), ("new_obstacles", OBSTACLE_STATE, (MAX_OBSTACLES,)),
     ]
 )  # fmt: skip
-"""counts: robots, balls, obstacles. robots: old tracks and, for the length of a frame, as many new ones.
-balls: the ball, then the places where it may have jumped to."""
+"""counts: of robots, balls, obstacles. robots: the old tracks and, while a frame is processed, as many new ones.
+taken: sightings that are paired already; sorted: rows of robots in the order of the world. balls: the ball's track,
+then the positions where the last frame showed other balls."""
 
-RULES = np.dtype(
+PARAMETERS = np.dtype(
     [
         ("validity_ns", np.int64), ("ball_validity_ns", np.int64), ("obstacle_validity_ns", np.int64),
         ("gate_m", np.float64),
@@ -72,13 +74,14 @@ RULES = np.dtype(
         ("radius_m", np.float64, (len(TEAMS),)), ("square", np.int64, (len(TEAMS),)),
     ]
 )  # fmt: skip
-"""Settings as the kernels want them. noise: variance that calibration adds to a sighting's own; density: of the
-acceleration noise; start: variance of a new track's rate; radius_m and square: outline of each team's robots."""
+"""The settings in the units of the filter. noise: variance that the calibration adds to a sighting's own; density:
+spectral density of the acceleration noise; start: variance of a new track's rate; radius_m, square: outline of each
+team's robots."""
 
 
-def rules_from(settings: TrackSettings, robots: RobotSettings) -> Table:
-    """The rules that the settings describe, shape (1,)."""
-    rules = np.zeros(1, dtype=RULES)
+def parameters_from(settings: TrackSettings, robots: RobotSettings) -> Table:
+    """The parameters that the settings describe: PARAMETERS, shape (1,)."""
+    parameters = np.zeros(1, dtype=PARAMETERS)
     values = {
         "validity_ns": round(settings.validity_ms * NS_PER_MS),
         "ball_validity_ns": round(settings.ball_validity_ms * NS_PER_MS),
@@ -97,12 +100,12 @@ def rules_from(settings: TrackSettings, robots: RobotSettings) -> Table:
         "square": [robots_of(robots, team).outline == "square" for team in TEAMS],
     }
     for name, value in values.items():
-        rules[name] = value
-    return rules
+        parameters[name] = value
+    return parameters
 
 
-def state_of_nothing() -> Table:
-    """A tracker's memory before its first frame, shape (1,)."""
-    state = np.zeros(1, dtype=STATE)
+def empty_state() -> Table:
+    """A tracker's memory before its first frame: TRACKER_STATE, shape (1,)."""
+    state = np.zeros(1, dtype=TRACKER_STATE)
     state["grabbed"] = state["obstacles_at"] = NEVER
     return state

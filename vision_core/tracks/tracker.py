@@ -1,4 +1,4 @@
-"""The state of the stage, one tracker per service; and the whole stage as two kernels."""
+"""The tracker, and the two kernels that are the whole stage."""
 
 import numpy as np
 
@@ -8,27 +8,26 @@ from vision_core.settings.schema import RobotSettings, TrackSettings
 from vision_core.tracks.ball_tracks import update_ball, write_ball
 from vision_core.tracks.obstacle_tracks import update_obstacles, write_obstacles
 from vision_core.tracks.robot_tracks import update_robots, write_robots
-from vision_core.tracks.state import NEVER, rules_from, state_of_nothing
+from vision_core.tracks.state import NEVER, empty_state, parameters_from
 from vision_core.types.tables import MAX_OBSTACLES, OBSTACLE, SightingsTable, Table, WorldTable
 
 
 class Tracker:
-    """Turns sightings, frame by frame, into the state of the field at any instant.
+    """Turns sightings, frame by frame, into the state of the field at any instant. A service has one tracker.
 
-    A robot's track starts with its first sighting and is predicted for ``tracks.validity_ms`` past its last
+    A robot's track starts with its first sighting and is predicted for ``tracks.validity_ms`` after its last
     one; the ball's for ``tracks.ball_validity_ms``; an obstacle's for ``tracks.obstacle_validity_ms``. An id (or
-    a ball) that appears beyond its track's gate does not move it at once: the track starts over there only when a
-    second sighting confirms the new place. The rules stand in ``vision_core.tracks.robot_tracks``, ``ball_lives`` and
-    ``obstacle_lives``.
+    a ball) that appears outside its track's gate does not move the track at once: only a second sighting at the new
+    position does. The rules stand in ``robot_tracks``, ``ball_tracks`` and ``obstacle_tracks``.
 
     Every call returns the same table, the tracker's own: the next call overwrites it.
     """
 
     def __init__(self, settings: TrackSettings, robots: RobotSettings) -> None:
-        self._rules = rules_from(settings, robots)
-        self._state = state_of_nothing()
-        self._things: Table = np.zeros(MAX_OBSTACLES, dtype=OBSTACLE)
-        self._things_at = NEVER
+        self._parameters = parameters_from(settings, robots)
+        self._state = empty_state()
+        self._obstacles: Table = np.zeros(MAX_OBSTACLES, dtype=OBSTACLE)
+        self._obstacles_at = NEVER
         self._world = WorldTable()
 
     @property
@@ -39,62 +38,66 @@ class Tracker:
     def update(
         self, sightings: SightingsTable, obstacles: Table | None = None, obstacles_at: Instant | None = None
     ) -> WorldTable:
-        """Take in one frame and return the world at its grab instant.
+        """Process one frame and return the world at its grab instant.
 
         A frame that is not newer than the last one is refused: it is counted in ``refused``, and the world of
-        the last frame is returned (its ``at`` tells). Sightings at no finite place are ignored.
+        the last frame is returned, with that frame's ``at``. Sightings without a finite position are ignored.
 
-        obstacles: rows of OBSTACLE as last told, seen in the frame that was grabbed at obstacles_at (None: in this
-        one). The same frame's may be given again and again: they count once.
+        obstacles: the newest rows of OBSTACLE, seen in the frame that was grabbed at obstacles_at (None: in this
+        one). The obstacles of one frame may be passed again and again; they are processed once.
         """
         count = 0
-        things_at = NEVER
+        at = NEVER
         if obstacles is not None:
-            things_at = int(sightings.whole["grabbed"][0]) if obstacles_at is None else obstacles_at
+            at = int(sightings.whole["grabbed"][0]) if obstacles_at is None else obstacles_at
             count = min(len(obstacles), MAX_OBSTACLES)
-            if things_at != self._things_at:
-                self._things[:count] = obstacles[:count]
-                self._things_at = things_at
-        follow(self._rules, self._state, sightings.whole, self._things, count, things_at, self._world.whole)
+            if at != self._obstacles_at:
+                self._obstacles[:count] = obstacles[:count]
+                self._obstacles_at = at
+        update_tracks(self._parameters, self._state, sightings.whole, self._obstacles, count, at, self._world.whole)
         return self._world
 
     def predict(self, at: Instant) -> WorldTable:
-        """The world at any instant, as the frames so far tell it. Changes no state.
+        """The world at any instant, predicted from the frames so far. Changes no state.
 
-        It carries the last frame's number; the ball is hidden if that frame did not show it.
+        It has the last frame's number; the ball is hidden if that frame did not show it.
         """
-        tell(self._rules, self._state, at, self._world.whole)
+        write_world(self._parameters, self._state, at, self._world.whole)
         return self._world
 
 
 @kernel
-def follow(rules: Table, state: Table, seen: Table, things: Table, count: int, things_at: int, world: Table) -> bool:
-    """`Tracker.update` on tables of one row (RULES, STATE, SIGHTINGS and WORLD); False: the frame was refused.
+def update_tracks(
+    parameters: Table, state: Table, seen: Table, obstacles: Table, count: int, obstacles_at: int, world: Table
+) -> bool:
+    """`Tracker.update` on tables of one row (PARAMETERS, TRACKER_STATE, SIGHTINGS, WORLD); False: frame refused.
 
-    things: rows of OBSTACLE, of which count hold, of the obstacle frame things_at (NEVER: there is none).
+    obstacles: rows of OBSTACLE, of which the first count are valid, of the obstacle frame grabbed at obstacles_at
+    (NEVER: there is none).
     """
     memory, frame = state[0], seen[0]
     at = frame.grabbed
     if memory.frames and at <= memory.grabbed:
         memory.refused += 1
-        tell(rules, state, memory.grabbed, world)
+        write_world(parameters, state, memory.grabbed, world)
         return False
     memory.frames += 1
     memory.grabbed, memory.frame_number = at, frame.frame_number
-    update_robots(rules[0], memory, frame, at)
-    update_ball(rules[0], memory, frame, at)
-    if things_at > memory.obstacles_at:
-        write_robots(rules[0], memory, things_at, world[0])
-        update_obstacles(rules[0], memory, things, count, things_at, world[0])
-    tell(rules, state, at, world)
+    update_robots(parameters[0], memory, frame, at)
+    update_ball(parameters[0], memory, frame, at)
+    # A new obstacle frame needs the robots at its own instant, which is earlier than this frame's.
+    if obstacles_at > memory.obstacles_at:
+        write_robots(parameters[0], memory, obstacles_at, world[0])
+        update_obstacles(parameters[0], memory, obstacles, count, obstacles_at, world[0])
+    write_world(parameters, state, at, world)
     return True
 
 
 @kernel
-def tell(rules: Table, state: Table, at: int, world: Table) -> None:
-    """`Tracker.predict` on tables of one row: fill a world's table."""
-    memory, told = state[0], world[0]
-    told.frame_number, told.at = memory.frame_number, at
-    write_robots(rules[0], memory, at, told)
-    write_ball(rules[0], memory, at, told)
-    write_obstacles(rules[0], memory, at, told)
+def write_world(parameters: Table, state: Table, at: int, world: Table) -> None:
+    """`Tracker.predict` on tables of one row (PARAMETERS, TRACKER_STATE, WORLD): fill the world."""
+    memory, written = state[0], world[0]
+    written.frame_number, written.at = memory.frame_number, at
+    write_robots(parameters[0], memory, at, written)
+    write_ball(parameters[0], memory, at, written)
+    write_obstacles(parameters[0], memory, at, written)

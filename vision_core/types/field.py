@@ -1,21 +1,8 @@
-"""What stands or is painted on the field, and what an edge can be."""
+"""What stands on the field or is painted on it."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 
-
-class EdgeKind(IntEnum):
-    """What a ray meets first. A robot's kind is ROBOT_BLUE or ROBOT_YELLOW + its number (0: not known)."""
-
-    NOTHING = 0
-    WALL = 1
-    GOAL_BLUE = 2
-    """The goal that blue defends."""
-    GOAL_YELLOW = 3
-    UNKNOWN = 4
-    """A thing that is no known robot."""
-    ROBOT_BLUE = 16
-    ROBOT_YELLOW = 48
+from vision_core.types.edges import EdgeKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +15,7 @@ class Segment:
     y2_m: float
     kind: EdgeKind
     solid: bool
-    """Solid things hide what is behind them; virtual limits are edges but hide nothing."""
+    """A solid segment hides what is behind it; a virtual limit is an edge but hides nothing."""
 
 
 @dataclass(frozen=True, slots=True)

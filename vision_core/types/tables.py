@@ -1,8 +1,8 @@
-"""What flows, as the hot path holds it: tables of fixed room, one block of memory each.
+"""The hot path's data: tables of fixed size, one block of memory each.
 
-A record with lists of objects in it costs an allocation per object and frame. The tables here are taken once,
-filled in place by compiled code, and are their own form in the database: their bytes are copied, nothing is
-encoded. ``objects`` and ``tracks`` hold the same as records for people; ``record`` makes one from a table.
+A record with lists of objects costs an allocation per object and frame. These tables are allocated once and filled in
+place by compiled code; the database copies their bytes without encoding. ``objects``, ``tracks`` and ``views`` define
+records with the same content, for code off the hot path: ``record`` makes one from a table, ``of`` a table from one.
 """
 
 from typing import Any
@@ -20,11 +20,11 @@ Table = NDArray[Any]
 
 NO_ID = -1
 TEAMS = (Team.BLUE, Team.YELLOW)
-"""A team's number in the tables is its place here."""
+"""A team's number in the tables is its index here."""
 TEAM_NUMBER = {team: number for number, team in enumerate(TEAMS)}
 
 MAX_ROBOTS = 64
-"""Twice two full teams: what a cloth of dots shows beyond these is no robot."""
+"""Two full teams twice over: a picture that seems to show more is full of false ones."""
 MAX_BALLS = 32
 MAX_OBSTACLES = 64
 
@@ -45,7 +45,7 @@ ROBOT = np.dtype(
         ("position_sd_m", np.float64), ("heading_sd_rad", np.float64),
     ]
 )  # fmt: skip
-"""A RobotSighting: id NO_ID where it is not known, heading and its deviation nan where there is none."""
+"""A RobotSighting. Unknown: id NO_ID; heading_rad and heading_sd_rad nan."""
 
 BALL = np.dtype(
     [
@@ -84,9 +84,9 @@ OBSTACLE_TRACK = np.dtype(
 )  # fmt: skip
 
 MAX_NUMBERS = 16
-"""Robots of a team that have a number, and so a view."""
+"""Robots of a team that can have a number, and so a view."""
 DIRECTIONS = 360
-"""Of the page's views: every whole degree."""
+"""Directions of the page's views: every whole degree."""
 
 VIEW = np.dtype(
     [
@@ -120,41 +120,41 @@ WORLD = np.dtype(
 
 
 class _OneRow:
-    """A table of one row, in memory of its own: what a record is in the hot path and in the database."""
+    """A table of one row in its own memory: the form of a record in the hot path and in the database."""
 
     def __init__(self, kind: np.dtype[Any], memory: bytes | bytearray | memoryview | None) -> None:
         self.whole: Table = np.zeros(1, dtype=kind)
         """The row, shape (1,)."""
         self.bytes: memoryview = self.whole.view(np.uint8).data
-        """The table's memory."""
+        """The memory of ``whole``."""
         if memory is not None:
             self.load(memory)
 
     def load(self, memory: bytes | bytearray | memoryview) -> None:
-        """Take over the bytes of another table."""
+        """Copy the bytes of another table of this kind."""
         self.whole.view(np.uint8)[:] = np.frombuffer(memory, dtype=np.uint8)
 
 
 class SightingsTable(_OneRow):
-    """Everything seen in one frame, ordered as ``Sightings``."""
+    """Everything seen in one frame, in the order of ``Sightings``."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
-        """A table in memory of its own (filled from bytes, when given)."""
+        """memory: bytes of another table, which are copied; None: a table of zeros."""
         super().__init__(SIGHTINGS, memory)
         row = self.whole[0]
         self.counts: NDArray[np.int64] = row["counts"]
-        """How many robots and balls there are."""
+        """Valid rows of ``robots`` and ``balls``."""
         self.robots: Table = row["robots"]
         self.balls: Table = row["balls"]
 
     def stamp(self, camera: str, frame_number: int, grabbed: Instant, perceived: Instant) -> None:
-        """Say which frame it tells of."""
+        """Set camera, number, grab instant and perception instant of the frame."""
         row = self.whole[0]
         row["camera"], row["frame_number"] = camera.encode(), frame_number
         row["grabbed"], row["perceived"] = grabbed, perceived
 
     def record(self) -> Sightings:
-        """The same for people."""
+        """The content as a record."""
         row = self.whole[0]
         robots, balls = self.counts.tolist()
         return Sightings(
@@ -169,7 +169,7 @@ class SightingsTable(_OneRow):
 
     @classmethod
     def of(cls, seen: Sightings) -> "SightingsTable":
-        """A table of a record."""
+        """The content of a record as a table."""
         table = cls()
         table.stamp(seen.camera, seen.frame_number, seen.grabbed, seen.perceived)
         table.whole["complete"] = seen.complete
@@ -187,20 +187,20 @@ class SightingsTable(_OneRow):
 
 
 class WorldTable(_OneRow):
-    """The field at one instant, ordered as ``World``."""
+    """The field at one instant, in the order of ``World``."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
-        """A table in memory of its own (filled from bytes, when given)."""
+        """memory: bytes of another table, which are copied; None: a table of zeros."""
         super().__init__(WORLD, memory)
         row = self.whole[0]
         self.counts: NDArray[np.int64] = row["counts"]
-        """How many robots, balls (0 or 1) and obstacles there are."""
+        """Valid rows of ``robots``, ``balls`` (0 or 1) and ``obstacles``."""
         self.robots: Table = row["robots"]
         self.balls: Table = row["balls"]
         self.obstacles: Table = row["obstacles"]
 
     def record(self) -> World:
-        """The same for people."""
+        """The content as a record."""
         row = self.whole[0]
         robots, balls, obstacles = self.counts.tolist()
         return World(
@@ -213,7 +213,7 @@ class WorldTable(_OneRow):
 
     @classmethod
     def of(cls, world: World) -> "WorldTable":
-        """A table of a record."""
+        """The content of a record as a table."""
         table = cls()
         row = table.whole[0]
         row["frame_number"], row["at"] = world.frame_number, world.at
@@ -228,31 +228,33 @@ class WorldTable(_OneRow):
             table.balls[0] = (
                 ball.x_m, ball.y_m, ball.vx_m_s, ball.vy_m_s, ball.position_sd_m, ball.hidden, ball.seen
             )  # fmt: skip
-        for index, thing in enumerate(world.obstacles):
-            table.obstacles[index] = (thing.x_m, thing.y_m, thing.vx_m_s, thing.vy_m_s, thing.radius_m, thing.seen)
+        for index, obstacle in enumerate(world.obstacles):
+            table.obstacles[index] = (
+                obstacle.x_m, obstacle.y_m, obstacle.vx_m_s, obstacle.vy_m_s, obstacle.radius_m, obstacle.seen
+            )  # fmt: skip
         return table
 
 
 class ViewsTable(_OneRow):
-    """What every robot would see, as it goes over the wire."""
+    """The views of all robots for the page, in the pixels of the field's mirror."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
-        """A table in memory of its own (filled from bytes, when given)."""
+        """memory: bytes of another table, which are copied; None: a table of zeros."""
         super().__init__(VIEWS, memory)
 
     def record(self) -> Views:
-        """The same for people."""
+        """The content as a record."""
         row = self.whole[0]
         views = row["views"][: int(row["count"])].tolist()
         return Views(int(row["frame_number"]), Instant(int(row["at"])), tuple(_view(view) for view in views))
 
     @classmethod
-    def of(cls, told: Views) -> "ViewsTable":
-        """A table of a record."""
+    def of(cls, views: Views) -> "ViewsTable":
+        """The content of a record as a table."""
         table = cls()
         row = table.whole[0]
-        row["frame_number"], row["at"], row["count"] = told.frame_number, told.at, len(told.views)
-        for index, view in enumerate(told.views):
+        row["frame_number"], row["at"], row["count"] = views.frame_number, views.at, len(views.views)
+        for index, view in enumerate(views.views):
             row["views"][index] = (
                 TEAM_NUMBER[view.team], view.number, view.overlap, view.partial,
                 view.ball_px, view.ball_direction_deg, view.ball_size_deg, list(view.px), list(view.kinds),
@@ -261,12 +263,12 @@ class ViewsTable(_OneRow):
 
 
 def obstacle_table(obstacles: tuple[ObstacleSighting, ...]) -> Table:
-    """A table of obstacles, shape (n,)."""
+    """The content of records as a table: OBSTACLE, shape (n,)."""
     rows = [(o.x_px, o.y_px, o.x_m, o.y_m, o.radius_m, o.confidence) for o in obstacles]
     return np.array(rows, dtype=OBSTACLE)
 
 
-def _known(number: float) -> float | None:
+def _none_for_nan(number: float) -> float | None:
     return None if np.isnan(number) else number
 
 
@@ -274,8 +276,8 @@ def _robot(row: tuple[Any, ...]) -> RobotSighting:
     team, marker, x_px, y_px, x_m, y_m, heading, confidence, position_sd, heading_sd = row
     return RobotSighting(
         team=TEAMS[team], id=None if marker == NO_ID else marker, x_px=x_px, y_px=y_px, x_m=x_m, y_m=y_m,
-        heading_rad=_known(heading), confidence=confidence, position_sd_m=position_sd,
-        heading_sd_rad=_known(heading_sd),
+        heading_rad=_none_for_nan(heading), confidence=confidence, position_sd_m=position_sd,
+        heading_sd_rad=_none_for_nan(heading_sd),
     )  # fmt: skip
 
 

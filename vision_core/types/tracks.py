@@ -1,4 +1,4 @@
-"""5. sightings -> world."""
+"""5. Sightings -> World."""
 
 from dataclasses import dataclass
 
@@ -20,12 +20,12 @@ class RobotTrack:
     vy_m_s: float
     turn_rad_s: float
     position_sd_m: float
-    """Standard deviation of the position, per axis."""
+    """Standard deviation of the position, per axis [m]."""
     heading_sd_rad: float
     confidence: float
     """Of the last sighting, 0..1."""
     seen: Instant
-    """Grab instant of the last sighting; before the world's instant the state is predicted."""
+    """Grab instant of the last sighting; if it is before the world's instant, the state is predicted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +38,13 @@ class BallTrack:
     vy_m_s: float
     position_sd_m: float
     hidden: bool
-    """No camera saw it in the world's frame, and it is predicted."""
+    """The world's frame does not show it, so it is predicted."""
     seen: Instant
 
 
 @dataclass(frozen=True, slots=True)
 class ObstacleTrack:
-    """A thing of robot size that nobody knows, at the world's instant: a circle on the floor."""
+    """An object of robot size that is no known robot, at the world's instant: a circle on the floor."""
 
     x_m: float
     y_m: float
@@ -56,7 +56,7 @@ class ObstacleTrack:
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """The field at one instant, ordered by team and id. Nothing older than its validity is in it."""
+    """The field at one instant. Robots are ordered by team and id. Nothing in it is older than its validity."""
 
     frame_number: int
     at: Instant

@@ -1,4 +1,4 @@
-"""6. world -> view: what one robot would see."""
+"""6. World -> view: what one robot would see."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from vision_core.types.objects import Team
 
 @dataclass(frozen=True, slots=True)
 class BallView:
-    """The ball as seen from a robot's center, while any part of it is visible."""
+    """The ball as seen from a robot's center, if any part of it is visible."""
 
     distance_m: float
     """From the robot's center to the ball's point on the floor."""
     direction_deg: float
-    """Of its center, anticlockwise from the heading, 0 <= d < 360."""
+    """Direction of its center, anticlockwise from the heading, 0 <= d < 360."""
     size_deg: float
-    """The whole azimuth it spans."""
+    """The full azimuth that it spans."""
     partial: bool
-    """Something nearer hides a part of it."""
+    """A nearer object hides a part of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,25 +31,27 @@ class RobotView:
     at: Instant
     frame_number: int
     distances_m: Floats
-    """Nearest edge of each ray from the robot's center, inf for nothing; shape (n,)."""
+    """Distance of the nearest edge along each ray from the robot's center, inf for nothing; shape (n,)."""
     kinds: Bytes
     """EdgeKind of each ray, shape (n,)."""
     ball: BallView | None
-    """None: hidden, or not known."""
+    """None: hidden, or its position is unknown."""
     overlap: bool
-    """Another robot's outline holds our center."""
+    """Another outline contains the robot's center."""
 
 
 @dataclass(frozen=True, slots=True)
 class ViewSnapshot:
-    """A view as it goes over the wire: one byte per direction for pixels (255: nothing) and for the kind."""
+    """A view as the page gets it: distances in pixels of the field's mirror, one direction per whole degree."""
 
     team: Team
     number: int
     px: bytes
+    """Distance of the nearest edge in each direction [px], 255: nothing."""
     kinds: bytes
+    """Its EdgeKind."""
     ball_px: int
-    """-1: hidden."""
+    """Distance of the ball [px], -1: hidden."""
     ball_direction_deg: int
     ball_size_deg: int
     partial: bool
@@ -58,6 +60,8 @@ class ViewSnapshot:
 
 @dataclass(frozen=True, slots=True)
 class Views:
+    """The views of all robots of one world, ordered by team and number."""
+
     frame_number: int
     at: Instant
     views: tuple[ViewSnapshot, ...]

@@ -9,6 +9,7 @@ from vision_core.models.field import diagonal_m
 from vision_core.models.from_settings import mirror_from
 from vision_core.models.mirror import check_span
 from vision_core.settings.schema import ColorRange, Settings
+from vision_core.types.edges import letter_faults
 from vision_core.venues.camera_rules import camera_violations
 from vision_core.venues.violation import Violation
 
@@ -20,7 +21,6 @@ SPACE_KEYS = {
 """Axes of each color space."""
 ANGLES = {"hue_deg", "phase_deg"}
 MAX_CLASSES = 31
-LETTERS_PER_TEAM = 16
 TASK_NAME = re.compile(r"[a-z][a-z0-9_]{0,15}")
 SAMPLE_COMMAND = "pslv colors sample PICTURE --venue FILE --save --class {name} --at X,Y"
 
@@ -86,10 +86,8 @@ def _box(key: str, box: ColorRange, space: str) -> Iterator[Violation]:
 
 
 def _letters(settings: Settings) -> Iterator[Violation]:
-    for name in ("first_blue", "first_yellow"):
-        first = getattr(settings.protocol.letters, name)
-        if ord(first) + LETTERS_PER_TEAM - 1 > ord("~"):
-            yield Violation(f"protocol.letters.{name}", repr(first), "a letter with 15 more behind it: A, a, ...")
+    for key, found, accepted in letter_faults(settings.protocol.letters):
+        yield Violation(f"protocol.letters.{key}", found, accepted)
 
 
 def _match(settings: Settings) -> Iterator[Violation]:

@@ -1,52 +1,48 @@
-"""How much of the ball is visible: interval arithmetic on exact angles, not samples.
+"""Which fraction of the ball is visible: interval arithmetic on exact angles, not samples.
 
 The ball is a circle on the floor; it spans the azimuth b +- asin(r / d) around its direction b. An
 obstacle hides the ball at an angle where its surface is nearer than the ball's **center** distance d: of two
-things that touch side by side, neither hides the other, and a ball in front of a wall that it touches is seen.
-So each obstacle is cut to the disc of radius d around us, and what is left of it hides an interval:
+objects that touch side by side, neither hides the other, and a ball in front of a wall that it touches is visible.
+So each obstacle is clipped to the disc of radius d around the viewer, and what remains of it hides an interval:
 
 - a circle at distance D, radius R: +- asin(R / D) around its direction, if the tangents touch it within the
   disc, that is d^2 >= D^2 - R^2; otherwise +- acos((D^2 + d^2 - R^2) / (2 D d)), where the two circles cross;
-- a segment: from one end to the other of its piece within the disc (less than half a turn);
+- a segment: from one end to the other of its part within the disc (less than half a turn);
 - a square: its four sides.
 
-What the union of these intervals leaves of the ball's interval is visible.
+Visible is what the union of these intervals leaves of the ball's interval.
 """
 
 import math
 
 from vision_core.geometry import Floats
+from vision_core.native.angles import wrap_angle
 from vision_core.native.kernels import kernel
 from vision_core.types.tables import Table
-from vision_core.views.outlines import corner, holder
+from vision_core.views.outlines import containing_outline, corner
 
 SLIVER_RAD = 1e-9
-"""Less than this between two hiding intervals is rounding: a corner that two walls share is closed."""
-SQUARE_REACH = math.sqrt(2.0) * (1.0 + 1e-9)
-"""A square's corner is so many half sides from its center."""
-
-
-@kernel
-def _turn(angle: float) -> float:
-    """The same angle in [-pi, pi)."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+"""A smaller gap between two intervals is rounding: a corner that two walls share is closed."""
+CORNER_DISTANCE = math.sqrt(2.0) * (1.0 + 1e-9)
+"""Distance of a square's corner from its center, in half sides, rounded up."""
 
 
 @kernel
 def circle_shadow(x: float, y: float, radius: float, within: float) -> tuple[float, float]:
     """Direction and half width [rad] of what a circle around (x, y) hides of a ball whose center is `within` away.
 
-    Half width 0: nothing; pi: everything, as the circle holds our center.
+    Half width 0: nothing; pi: everything, as the circle contains the viewer.
     """
-    away = math.hypot(x, y)
-    if away <= radius:
+    distance = math.hypot(x, y)
+    if distance <= radius:
         return 0.0, math.pi
-    if away - radius >= within:
+    if distance - radius >= within:
         return 0.0, 0.0
-    if within * within >= away * away - radius * radius:
-        half = math.asin(radius / away)
+    if within * within >= distance * distance - radius * radius:
+        half = math.asin(radius / distance)
     else:
-        half = math.acos(min((away * away + within * within - radius * radius) / (2.0 * away * within), 1.0))
+        cosine = (distance * distance + within * within - radius * radius) / (2.0 * distance * within)
+        half = math.acos(min(cosine, 1.0))
     return math.atan2(y, x), half
 
 
@@ -60,61 +56,66 @@ def segment_shadow(x1: float, y1: float, x2: float, y2: float, within: float) ->
     room = within * within * square - aside * aside
     if room <= 0.0:
         return 0.0, 0.0
+    # Clip the segment to the disc: parameters start..end, 0 at its first point, 1 at its second.
     half_chord = math.sqrt(room) / square
     start, end = max(middle - half_chord, 0.0), min(middle + half_chord, 1.0)
     if start >= end:
         return 0.0, 0.0
     first = math.atan2(y1 + start * ey, x1 + start * ex)
-    opening = _turn(math.atan2(y1 + end * ey, x1 + end * ex) - first)
+    opening = wrap_angle(math.atan2(y1 + end * ey, x1 + end * ex) - first)
     return first + opening / 2.0, abs(opening) / 2.0
 
 
 @kernel
-def share_in_view(
+def visible_fraction(
     own: int,
     ball_x_m: float,
     ball_y_m: float,
     ball_radius_m: float,
-    bodies: Table,
-    body_count: int,
+    outlines: Table,
+    outline_count: int,
     walls_m: Floats,
     hidden: Floats,
 ) -> float:
-    """Share 0..1 of the ball's azimuth that a body sees from its center; exactly 1 when nothing hides any of it.
+    """Fraction 0..1 of the ball's azimuth that a robot sees from its center; exactly 1 when nothing hides any of it.
 
-    bodies: as ``bodies.lay_out`` has them; walls_m: solid segments x1 y1 x2 y2, shape (s, 4); hidden: room for two
-    angles of every wall and of four sides of every body, shape (2, n). A ball that we stand on is visible: nothing
-    is nearer.
+    own: the robot's row in outlines, OUTLINE of ``collect_outlines``; walls_m: solid segments x1 y1 x2 y2, shape
+    (s, 4); hidden: scratch memory for one interval of every wall and of four sides of every outline, shape (2, n).
+    A ball that the robot's center is on is visible: nothing is nearer.
     """
-    x, y = bodies[own].x_m, bodies[own].y_m
+    x, y = outlines[own].x_m, outlines[own].y_m
     bx, by = ball_x_m - x, ball_y_m - y
     within = math.sqrt(bx * bx + by * by)
+    # The two cases without an azimuth: the viewer stands on the ball; another outline contains the viewer.
     if within <= ball_radius_m:
         return 1.0
-    if holder(x, y, own, bodies, body_count) >= 0:
+    if containing_outline(x, y, own, outlines, outline_count) >= 0:
         return 0.0
     azimuth, alpha = math.atan2(by, bx), math.asin(ball_radius_m / within)
-    toward_x, toward_y, aside = bx / within, by / within, ball_radius_m / within
+    toward_x, toward_y, sine = bx / within, by / within, ball_radius_m / within
     count = 0
+    # Walls and goals: there are few, so each is clipped without a test before.
     for k in range(len(walls_m)):
         x1, y1, x2, y2 = walls_m[k, 0] - x, walls_m[k, 1] - y, walls_m[k, 2] - x, walls_m[k, 3] - y
         direction, half = segment_shadow(x1, y1, x2, y2, within)
-        count = _hide(direction, half, azimuth, alpha, hidden, count)
-    for k in range(body_count):
-        dx, dy, radius = bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m
-        reach = radius * SQUARE_REACH if bodies[k].square else radius
-        if k == own or _clear_of(dx, dy, reach, toward_x, toward_y, aside, within):
+        count = _add_hidden(direction, half, azimuth, alpha, hidden, count)
+    # Robots and obstacles: most of them lie outside of the wedge to the ball, and cost no trigonometry.
+    for k in range(outline_count):
+        dx, dy, radius = outlines[k].x_m - x, outlines[k].y_m - y, outlines[k].radius_m
+        reach = radius * CORNER_DISTANCE if outlines[k].square else radius
+        if k == own or _is_clear_of(dx, dy, reach, toward_x, toward_y, sine, within):
             continue
-        if bodies[k].square:
-            x1, y1 = corner(bodies[k], 0)
+        if outlines[k].square:
+            x1, y1 = corner(outlines[k], 0)
             for side in range(1, 5):
-                x2, y2 = corner(bodies[k], side)
+                x2, y2 = corner(outlines[k], side)
                 direction, half = segment_shadow(x1 - x, y1 - y, x2 - x, y2 - y, within)
-                count = _hide(direction, half, azimuth, alpha, hidden, count)
+                count = _add_hidden(direction, half, azimuth, alpha, hidden, count)
                 x1, y1 = x2, y2
         else:
             direction, half = circle_shadow(dx, dy, radius, within)
-            count = _hide(direction, half, azimuth, alpha, hidden, count)
+            count = _add_hidden(direction, half, azimuth, alpha, hidden, count)
+    # What the union of the hidden intervals leaves; rounding is neither a visible nor a hidden sliver.
     visible = _uncovered(hidden[0, :count], hidden[1, :count], -alpha, alpha)
     if visible >= 2.0 * alpha - SLIVER_RAD:
         return 1.0
@@ -122,19 +123,24 @@ def share_in_view(
 
 
 @kernel
-def _clear_of(x: float, y: float, radius: float, toward_x: float, toward_y: float, sine: float, within: float) -> bool:
-    """Is a circle for certain outside of the wedge from us round the ball, of half width asin(sine), or behind it?"""
+def _is_clear_of(
+    x: float, y: float, radius: float, toward_x: float, toward_y: float, sine: float, within: float
+) -> bool:
+    """Whether a circle is certainly outside of the wedge around the ball, of half width asin(sine), or behind it.
+
+    (toward_x, toward_y): unit vector to the ball's center.
+    """
     along, aside = x * toward_x + y * toward_y, abs(x * toward_y - y * toward_x)
-    from_rim = aside * math.sqrt(1.0 - sine * sine) - along * sine
-    return from_rim > radius + SLIVER_RAD or along - radius > within
+    from_wedge = aside * math.sqrt(1.0 - sine * sine) - along * sine
+    return from_wedge > radius + SLIVER_RAD or along - radius > within
 
 
 @kernel
-def _hide(direction: float, half: float, azimuth: float, alpha: float, hidden: Floats, count: int) -> int:
-    """Note what an interval hides of the ball's, which reaches alpha to either side of azimuth; the new count."""
+def _add_hidden(direction: float, half: float, azimuth: float, alpha: float, hidden: Floats, count: int) -> int:
+    """Append the part of an interval that lies in the ball's, azimuth +- alpha, relative to azimuth; the new count."""
     if half <= 0.0:
         return count
-    offset = _turn(direction - azimuth)
+    offset = wrap_angle(direction - azimuth)
     if offset - half < alpha and offset + half > -alpha:
         hidden[0, count], hidden[1, count] = max(offset - half, -alpha), min(offset + half, alpha)
         return count + 1

@@ -1,7 +1,7 @@
-"""What stands on the field beside walls and goals: robots and obstacles of a world, as outlines with an edge kind.
+"""The outlines of a world's robots and obstacles, each with its edge kind.
 
-A robot is a circle or, where its team's outline says so, a square turned by its heading. A square whose heading is
-not known is the circle that fits into it whichever way it is turned. An obstacle is a circle of its own radius.
+A robot is a circle or, where its team's settings say so, a square turned by its heading. A square of unknown heading is
+replaced by its inscribed circle, which it covers at every heading. An obstacle is a circle of its own radius.
 """
 
 import math
@@ -12,74 +12,79 @@ from numpy.typing import NDArray
 
 from vision_core.geometry import Bytes, Floats
 from vision_core.native.kernels import kernel
-from vision_core.types.field import EdgeKind
+from vision_core.types.edges import EdgeKind
 from vision_core.types.tables import MAX_OBSTACLES, MAX_ROBOTS, Table
 
 Integers: TypeAlias = NDArray[np.int64]
 Row: TypeAlias = Any
-"""One row of a table, as kernels see it: its fields are attributes."""
+"""One row of a table in a kernel: its fields are attributes."""
 
-BODY = np.dtype(
+OUTLINE = np.dtype(
     [
         ("x_m", np.float64), ("y_m", np.float64), ("radius_m", np.float64),
         ("cos", np.float64), ("sin", np.float64), ("square", np.int32), ("kind", np.int32),
     ]
 )  # fmt: skip
-"""An outline: center, radius or half of the side, direction of a square's sides, EdgeKind."""
-MAX_BODIES = MAX_ROBOTS + MAX_OBSTACLES
-HEADING_KNOWN_RAD = 1.0
-"""A heading's deviation above this tells no direction."""
+"""A circle or, if square, a square: center, radius or half the side, direction of the heading, EdgeKind."""
+MAX_OUTLINES = MAX_ROBOTS + MAX_OBSTACLES
+MAX_HEADING_SD_RAD = 1.0
+"""A heading with a larger standard deviation is unknown."""
 UNKNOWN = int(EdgeKind.UNKNOWN)
 
 
 @kernel
-def lay_out(world: Table, kind_of_id: Bytes, team_radius_m: Floats, team_square: Integers, bodies: Table) -> int:
+def collect_outlines(
+    world: Table, kind_of_id: Bytes, team_radius_m: Floats, team_square: Integers, outlines: Table
+) -> int:
     """Fill in the outlines of a world's robots, in its order, then of its obstacles; returns how many there are.
 
     world: WORLD, shape (1,); kind_of_id: EdgeKind of a team's robot by 1 + its id, shape (2, 257); team_radius_m,
-    team_square: shape (2,); bodies: BODY, shape (MAX_BODIES,).
+    team_square: shape (2,); outlines: OUTLINE, shape (MAX_OUTLINES,).
     """
     robots, obstacles = world[0].robots, world[0].obstacles
     count = world[0].counts[0]
     for k in range(count):
         team, marker = robots[k].team, robots[k].id
-        bodies[k].x_m, bodies[k].y_m = robots[k].x_m, robots[k].y_m
-        bodies[k].radius_m = team_radius_m[team]
-        bodies[k].cos, bodies[k].sin = math.cos(robots[k].heading_rad), math.sin(robots[k].heading_rad)
-        known = robots[k].heading_sd_rad <= HEADING_KNOWN_RAD and math.isfinite(robots[k].heading_rad)
-        bodies[k].square = team_square[team] if known else 0
-        bodies[k].kind = kind_of_id[team, marker + 1 if 0 <= marker < 256 else 0]
+        outlines[k].x_m, outlines[k].y_m = robots[k].x_m, robots[k].y_m
+        outlines[k].radius_m = team_radius_m[team]
+        outlines[k].cos, outlines[k].sin = math.cos(robots[k].heading_rad), math.sin(robots[k].heading_rad)
+        known = robots[k].heading_sd_rad <= MAX_HEADING_SD_RAD and math.isfinite(robots[k].heading_rad)
+        outlines[k].square = team_square[team] if known else 0
+        outlines[k].kind = kind_of_id[team, marker + 1 if 0 <= marker < 256 else 0]
     for k in range(world[0].counts[2]):
-        body = bodies[count]
-        body.x_m, body.y_m, body.radius_m = obstacles[k].x_m, obstacles[k].y_m, obstacles[k].radius_m
-        body.square, body.kind = 0, UNKNOWN
+        outline = outlines[count]
+        outline.x_m, outline.y_m, outline.radius_m = obstacles[k].x_m, obstacles[k].y_m, obstacles[k].radius_m
+        outline.square, outline.kind = 0, UNKNOWN
         count += 1
     return int(count)
 
 
 @kernel
-def holder(x_m: float, y_m: float, own: int, bodies: Table, count: int) -> int:
-    """The body whose outline holds a point, the one with the nearest center; -1 when there is none."""
+def containing_outline(x_m: float, y_m: float, own: int, outlines: Table, count: int) -> int:
+    """The outline, other than own, that contains a point; of several the one with the nearest center; -1 for none."""
     found, nearest = -1, math.inf
     for k in range(count):
-        dx, dy = x_m - bodies[k].x_m, y_m - bodies[k].y_m
-        radius = bodies[k].radius_m
-        if k == own or abs(dx) > 1.5 * radius or abs(dy) > 1.5 * radius:
+        dx, dy = x_m - outlines[k].x_m, y_m - outlines[k].y_m
+        radius = outlines[k].radius_m
+        if k == own or abs(dx) > 1.5 * radius or abs(dy) > 1.5 * radius:  # 1.5 > sqrt(2): outside of a square, too
             continue
-        away = math.sqrt(dx * dx + dy * dy)
-        if bodies[k].square:
-            along, aside = dx * bodies[k].cos + dy * bodies[k].sin, dy * bodies[k].cos - dx * bodies[k].sin
-            held = max(abs(along), abs(aside)) <= radius
+        distance = math.sqrt(dx * dx + dy * dy)
+        if outlines[k].square:
+            along, aside = dx * outlines[k].cos + dy * outlines[k].sin, dy * outlines[k].cos - dx * outlines[k].sin
+            contains = max(abs(along), abs(aside)) <= radius
         else:
-            held = away <= radius
-        if held and away <= nearest:
-            found, nearest = k, away
+            contains = distance <= radius
+        if contains and distance <= nearest:
+            found, nearest = k, distance
     return found
 
 
 @kernel
-def corner(body: Row, k: int) -> tuple[float, float]:
-    """Corner k of a square body, anticlockwise from the front right one (0..3; 4 is 0 again)."""
-    ahead = body.radius_m if k % 4 < 2 else -body.radius_m
-    left = body.radius_m if 1 <= k % 4 <= 2 else -body.radius_m
-    return body.x_m + ahead * body.cos - left * body.sin, body.y_m + ahead * body.sin + left * body.cos
+def corner(outline: Row, k: int) -> tuple[float, float]:
+    """Corner k of a square, anticlockwise from the front right one (0..3; 4 is 0 again) [m]."""
+    ahead = outline.radius_m if k % 4 < 2 else -outline.radius_m
+    left = outline.radius_m if 1 <= k % 4 <= 2 else -outline.radius_m
+    return (
+        outline.x_m + ahead * outline.cos - left * outline.sin,
+        outline.y_m + ahead * outline.sin + left * outline.cos,
+    )

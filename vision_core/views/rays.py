@@ -1,18 +1,37 @@
-"""Where a ray from the origin meets a segment. Distances [m] along the ray, inf for a miss."""
+"""The rays of a view, and where a ray from the origin hits a segment."""
 
 import math
+from typing import NamedTuple
 
+from vision_core.geometry import Bytes, Floats
 from vision_core.native.kernels import kernel
 
 CORNER = 1e-9
-"""Segments are longer by this share at either end: no ray slips through a corner that two of them share."""
+"""Segments are longer by this fraction at either end: no ray slips through a corner that two of them share."""
 PARALLEL = 1e-12
 """Sine of the angle below which a ray runs along a segment."""
 
 
+class Rays(NamedTuple):
+    """The rays of one view, evenly spaced and anticlockwise, ray 0 straight ahead; arrays of shape (n,)."""
+
+    heading_rad: float
+    """Direction of ray 0 in the field."""
+    ux: Floats
+    """Unit vectors of the rays in the field."""
+    uy: Floats
+    distances_m: Floats
+    """Distance of the nearest edge so far, inf for none."""
+    kinds: Bytes
+    """Its EdgeKind."""
+
+
 @kernel
-def segment_reach(ux: float, uy: float, x1: float, y1: float, x2: float, y2: float) -> float:
-    """To a segment; (ux, uy) is the ray's unit vector. Seen exactly edge on, it is met at its nearer end."""
+def segment_distance(ux: float, uy: float, x1: float, y1: float, x2: float, y2: float) -> float:
+    """Distance [m] along a ray to a segment, inf for a miss; (ux, uy) is the ray's unit vector.
+
+    A segment seen exactly edge on is hit at its nearer end.
+    """
     ex, ey = x2 - x1, y2 - y1
     slant = ux * ey - uy * ex
     aside = x1 * uy - y1 * ux
@@ -24,8 +43,8 @@ def segment_reach(ux: float, uy: float, x1: float, y1: float, x2: float, y2: flo
         if max(first, second) < 0.0:
             return math.inf
         return max(min(first, second), 0.0)
-    share = aside / slant
-    if share < -CORNER or share > 1.0 + CORNER:
+    along = aside / slant
+    if along < -CORNER or along > 1.0 + CORNER:
         return math.inf
     distance = (x1 * ey - y1 * ex) / slant
     return distance if distance >= 0.0 else math.inf

@@ -1,10 +1,11 @@
 """The nearest edge of every ray (PSLV paper, section 3.3), by angular splat.
 
-A thing is met by the rays between its two rims alone, so each thing touches those few and no others: a circle the rays
-in atan2(y, x) +- asin(radius / distance), a segment those between its ends. The rays at the rims are tried exactly as
-``rays`` has it, for angles are rounded; those in between meet it for certain. A body at no finite place is met by none.
+An object is hit by the rays between its two tangents only, so each object tests those few rays and no others: a circle
+the rays in atan2(y, x) +- asin(radius / distance), a segment those between its ends. Angles are rounded, so the rays
+at either end are tested exactly (``rays.segment_distance``); those in between certainly hit. An outline without a
+finite position is hit by no ray.
 
-Inner loops count without a sign: numba would look at every index whether it counts from the end.
+Inner loops count with unsigned integers: numba would test every signed index for counting from the end.
 """
 
 import math
@@ -14,63 +15,59 @@ import numpy as np
 from vision_core.geometry import Bytes, Floats
 from vision_core.native.kernels import kernel
 from vision_core.types.tables import Table
-from vision_core.views.outlines import corner, holder
-from vision_core.views.rays import segment_reach
+from vision_core.views.outlines import containing_outline, corner
+from vision_core.views.rays import Rays, segment_distance
 
 FULL_TURN = 2.0 * math.pi
 ON_THE_LINE_M = 1e-6
-"""Nearer than this to a segment's line, angles tell too little: every ray is tried."""
+"""Nearer than this to a segment's line, angles are too inaccurate: every ray is tested exactly."""
 
 
 @kernel
 def nearest_edges(
     own: int,
-    heading_rad: float,
-    bodies: Table,
-    body_count: int,
+    outlines: Table,
+    outline_count: int,
     segments_m: Floats,
     segment_kinds: Bytes,
-    seen: int,
+    segment_count: int,
     r_min_m: float,
-    ux: Floats,
-    uy: Floats,
-    distances_m: Floats,
-    kinds: Bytes,
+    rays: Rays,
 ) -> bool:
     """Fill in distance and kind of each ray's nearest edge; inf and 0 (EdgeKind.NOTHING) where there is none.
 
-    own: the body from whose center the rays start, evenly spaced, ray 0 along heading_rad, anticlockwise; (ux,
-    uy): their unit vectors in the field, shape (n,). segments_m: x1 y1 x2 y2, of which the first `seen` are seen. An
-    edge nearer than r_min_m is reported there. Returns True when another body's outline holds our center; then it is
-    the edge of every ray, at r_min_m.
+    own: the row in outlines from whose center the rays start. segments_m: x1 y1 x2 y2, of which the first
+    segment_count are visible. An edge nearer than r_min_m is reported at r_min_m. Returns True when another outline
+    contains the center; then it is the edge of every ray, at r_min_m.
     """
-    x, y = bodies[own].x_m, bodies[own].y_m
-    over = holder(x, y, own, bodies, body_count)
+    x, y = outlines[own].x_m, outlines[own].y_m
+    distances_m, kinds = rays.distances_m, rays.kinds
+    # An outline over the center is everything that is seen.
+    over = containing_outline(x, y, own, outlines, outline_count)
     if over >= 0:
         distances_m[:] = r_min_m
-        kinds[:] = bodies[over].kind
+        kinds[:] = outlines[over].kind
         return True
     distances_m[:] = math.inf
     kinds[:] = 0
-    for k in range(seen):
+    # Walls, goals and limits first: they hit most rays.
+    for k in range(segment_count):
         x1, y1, x2, y2 = segments_m[k, 0] - x, segments_m[k, 1] - y, segments_m[k, 2] - x, segments_m[k, 3] - y
-        splat_segment(x1, y1, x2, y2, int(segment_kinds[k]), heading_rad, ux, uy, distances_m, kinds)
-    for k in range(body_count):
-        if k == own or not math.isfinite(bodies[k].x_m + bodies[k].y_m + bodies[k].radius_m):
+        splat_segment(x1, y1, x2, y2, int(segment_kinds[k]), rays)
+    # Robots and obstacles. Of a square, the sides whose outer face is turned to the center.
+    for k in range(outline_count):
+        if k == own or not math.isfinite(outlines[k].x_m + outlines[k].y_m + outlines[k].radius_m):
             continue
-        kind = int(np.uint8(bodies[k].kind))  # of the type of a segment's kind: ``splat_segment`` is compiled once
-        if bodies[k].square:
-            x1, y1 = corner(bodies[k], 0)
+        kind = int(np.uint8(outlines[k].kind))  # of the type of a segment's kind: ``splat_segment`` is compiled once
+        if outlines[k].square:
+            x1, y1 = corner(outlines[k], 0)
             for side in range(1, 5):
-                x2, y2 = corner(bodies[k], side)
-                if (x1 - x) * (y2 - y) < (x2 - x) * (y1 - y):  # its outer face is turned to us
-                    splat_segment(x1 - x, y1 - y, x2 - x, y2 - y, kind, heading_rad, ux, uy, distances_m, kinds)
+                x2, y2 = corner(outlines[k], side)
+                if (x1 - x) * (y2 - y) < (x2 - x) * (y1 - y):
+                    splat_segment(x1 - x, y1 - y, x2 - x, y2 - y, kind, rays)
                 x1, y1 = x2, y2
         else:
-            splat_circle(
-                bodies[k].x_m - x, bodies[k].y_m - y, bodies[k].radius_m, kind,
-                heading_rad, ux, uy, distances_m, kinds,
-            )  # fmt: skip
+            splat_circle(outlines[k].x_m - x, outlines[k].y_m - y, outlines[k].radius_m, kind, rays)
     for i in range(len(distances_m)):
         distances_m[i] = max(distances_m[i], r_min_m)
     return False
@@ -78,7 +75,7 @@ def nearest_edges(
 
 @kernel
 def turn_rays(ray_x: Floats, ray_y: Floats, cos: float, sin: float, ux: Floats, uy: Floats) -> None:
-    """Unit vectors from the heading to the field; ux, uy are filled."""
+    """Turn unit vectors from robot space into field space, by a heading's cosine and sine; ux, uy are filled."""
     for i in range(len(ux)):
         ux[i] = ray_x[i] * cos - ray_y[i] * sin
     for i in range(len(uy)):
@@ -86,19 +83,17 @@ def turn_rays(ray_x: Floats, ray_y: Floats, cos: float, sin: float, ux: Floats, 
 
 
 @kernel
-def splat_circle(
-    x: float, y: float, radius: float, kind: int,
-    heading_rad: float, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
-) -> None:  # fmt: skip
-    """A circle around (x, y) from us, that does not hold us."""
-    count = len(ux)
+def splat_circle(x: float, y: float, radius: float, kind: int, rays: Rays) -> None:
+    """Test a circle around (x, y), relative to the rays' origin, which it does not contain."""
+    count = len(rays.ux)
     per_rad = count / FULL_TURN
-    middle = (math.atan2(y, x) - heading_rad) * per_rad
+    middle = (math.atan2(y, x) - rays.heading_rad) * per_rad
     half = math.asin(min(radius / math.sqrt(x * x + y * y), 1.0)) * per_rad
+    # Half a ray more on either side: the exact test decides there. Rays beyond the last one go on at ray 0.
     low = _in_turn(middle - half - 0.5, count)
     first, end = math.ceil(low), math.floor(low + 2.0 * half + 1.0) + 1
-    _meet_circle(x, y, radius, kind, first, min(end, count), ux, uy, distances_m, kinds)
-    _meet_circle(x, y, radius, kind, 0, end - count, ux, uy, distances_m, kinds)
+    _hit_circle(x, y, radius, kind, first, min(end, count), rays)
+    _hit_circle(x, y, radius, kind, 0, end - count, rays)
 
 
 @kernel
@@ -109,62 +104,58 @@ def _in_turn(ray: float, count: int) -> float:
 
 
 @kernel
-def _meet_circle(
-    x: float, y: float, radius: float, kind: int,
-    start: int, end: int, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
-) -> None:  # fmt: skip
+def _hit_circle(x: float, y: float, radius: float, kind: int, start: int, end: int, rays: Rays) -> None:
+    """Test the rays start..end against a circle, exactly."""
+    ux, uy, distances_m, kinds = rays.ux, rays.uy, rays.distances_m, rays.kinds
     square = radius * radius
     for i in range(np.uint64(start), np.uint64(max(end, start))):
         along, aside = x * ux[i] + y * uy[i], x * uy[i] - y * ux[i]
         depth = square - aside * aside
         if depth >= 0.0 and along > 0.0:
-            reach = along - math.sqrt(depth)
-            if reach < distances_m[i]:
-                distances_m[i], kinds[i] = reach, kind
+            distance = along - math.sqrt(depth)
+            if distance < distances_m[i]:
+                distances_m[i], kinds[i] = distance, kind
 
 
 @kernel
-def splat_segment(
-    x1: float, y1: float, x2: float, y2: float, kind: int,
-    heading_rad: float, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
-) -> None:  # fmt: skip
-    """A segment between two points from us."""
+def splat_segment(x1: float, y1: float, x2: float, y2: float, kind: int, rays: Rays) -> None:
+    """Test a segment between two points, relative to the rays' origin."""
+    count = len(rays.ux)
     ex, ey = x2 - x1, y2 - y1
     cross = x1 * ey - y1 * ex
     if abs(cross) <= ON_THE_LINE_M * math.sqrt(ex * ex + ey * ey):
-        _try_segment(x1, y1, x2, y2, kind, 0, len(ux), ux, uy, distances_m, kinds)
+        _test_segment(x1, y1, x2, y2, kind, 0, count, rays)
         return
-    count = len(ux)
     per_rad = count / FULL_TURN
     opening = math.atan2(cross, x1 * x2 + y1 * y2) * per_rad
-    low = _in_turn((math.atan2(y1, x1) - heading_rad) * per_rad + min(opening, 0.0), count)
+    low = _in_turn((math.atan2(y1, x1) - rays.heading_rad) * per_rad + min(opening, 0.0), count)
     first, last = math.floor(low), math.ceil(low + abs(opening))
-    _meet_line(cross, ex, ey, kind, first + 1, min(last, count), ux, uy, distances_m, kinds)
-    _meet_line(cross, ex, ey, kind, 0, last - count, ux, uy, distances_m, kinds)
+    # The rays between the ends hit for certain; rays beyond the last one go on at ray 0.
+    _hit_line(cross, ex, ey, kind, first + 1, min(last, count), rays)
+    _hit_line(cross, ex, ey, kind, 0, last - count, rays)
+    # The two rays at the ends are tested exactly.
     if last >= count:
         last -= count
-    _try_segment(x1, y1, x2, y2, kind, first, first + 1, ux, uy, distances_m, kinds)
-    _try_segment(x1, y1, x2, y2, kind, last, last + 1, ux, uy, distances_m, kinds)
+    _test_segment(x1, y1, x2, y2, kind, first, first + 1, rays)
+    _test_segment(x1, y1, x2, y2, kind, last, last + 1, rays)
 
 
 @kernel
-def _meet_line(
-    cross: float, ex: float, ey: float, kind: int,
-    start: int, end: int, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
-) -> None:  # fmt: skip
+def _hit_line(cross: float, ex: float, ey: float, kind: int, start: int, end: int, rays: Rays) -> None:
+    """Where the rays start..end, all of which hit a segment, meet its line. Without branches: it is vectorized."""
+    ux, uy, distances_m, kinds = rays.ux, rays.uy, rays.distances_m, rays.kinds
     for i in range(np.uint64(start), np.uint64(max(end, start))):
-        reach = cross / (ux[i] * ey - uy[i] * ex)
-        nearer = reach < distances_m[i]
-        distances_m[i] = reach if nearer else distances_m[i]
+        distance = cross / (ux[i] * ey - uy[i] * ex)
+        nearer = distance < distances_m[i]
+        distances_m[i] = distance if nearer else distances_m[i]
         kinds[i] = kind if nearer else kinds[i]
 
 
 @kernel
-def _try_segment(
-    x1: float, y1: float, x2: float, y2: float, kind: int,
-    start: int, end: int, ux: Floats, uy: Floats, distances_m: Floats, kinds: Bytes,
-) -> None:  # fmt: skip
+def _test_segment(x1: float, y1: float, x2: float, y2: float, kind: int, start: int, end: int, rays: Rays) -> None:
+    """Test the rays start..end against a segment, exactly."""
+    ux, uy, distances_m, kinds = rays.ux, rays.uy, rays.distances_m, rays.kinds
     for i in range(np.uint64(start), np.uint64(end)):
-        reach = segment_reach(ux[i], uy[i], x1, y1, x2, y2)
-        if reach < distances_m[i]:
-            distances_m[i], kinds[i] = reach, kind
+        distance = segment_distance(ux[i], uy[i], x1, y1, x2, y2)
+        if distance < distances_m[i]:
+            distances_m[i], kinds[i] = distance, kind

@@ -5,17 +5,17 @@ from collections.abc import Iterator
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
 from app.web.health.frame_path import frame_path
+from vision_core.clock import MS_PER_S
 from vision_core.rtdb import records
 from vision_core.rtdb.task import Task
-from vision_core.timing.running_rate import OVER_S
+from vision_core.timing.running_rate import WINDOW_S
 
-MS_PER_S = 1e3
 MIN_RATE = 0.9
 """Share of the expected rate below which pictures are missing. Jitter and a dropped picture now and then cost less
 than 1 %; a camera that falls back to its next lower mode delivers 25 of 30 pictures or fewer."""
-RATE_ERROR_HZ = 2.0 / OVER_S
+RATE_ERROR_HZ = 2.0 / WINDOW_S
 """A rate is a number of runs over the last 5 s; two of them differ by one run each when they are the same."""
-RATE_HOLD_S = OVER_S + 1.0
+RATE_HOLD_S = WINDOW_S + 1.0
 """A gap that is over still lowers a rate for 5 s."""
 MAX_LAG_S = 0.05
 """From the publication of a picture to its last datagram. A robot that drives 2 m/s moves by its radius, 0.1 m, in this

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.degradation import Degradation
+from vision_core.clock import US_PER_MS
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Refusal, RefusalKind
 
-US_PER_MS = 1e3
 GRADES = {"B": "only fairly", "C": "badly"}
 """How well a machine keeps time that is not of class A."""
 

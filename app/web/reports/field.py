@@ -12,13 +12,12 @@ from vision_core.models.camera import CameraModel
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import field_lines, field_segments, painted_points
 from vision_core.models.from_settings import mirror_from, robots_of
-from vision_core.models.mirror import MAX_PX
+from vision_core.models.mirror import MAX_PX, MM_PER_M
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
-from vision_core.types.field import EdgeKind
+from vision_core.types.edges import EDGE_TYPES, EdgeType
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
 
-MM_PER_M = 1000.0
 STEPS = 24
 """Straight pieces by which a line or an outline is drawn in the picture, where lenses bend it; a multiple of 8, so that
 a square's corners are among its points."""
@@ -34,7 +33,7 @@ class FieldSegment(Report):
     x2_m: float
     y2_m: float
     kind: int
-    """What the edge is: a code of ``kinds``."""
+    """Code of its edge type."""
     solid: bool
     """true: it hides what is behind it, like a wall; false: it hides nothing, like a line."""
 
@@ -47,6 +46,23 @@ class FieldArc(Report):
     radius_m: float
     start_rad: float
     end_rad: float
+
+
+class EdgeTypeReport(Report):
+    """What an edge of a view can be, and how the page draws it."""
+
+    code: int
+    """In ``kinds`` of a view; of a robot: code + its number, code alone when its number is not known."""
+    numbers: int
+    """Highest number of such a robot; 0: no robot."""
+    meaning: str
+    label: str
+    """Written beside such an edge; a robot's number follows."""
+    legend: str
+    """Its word in the legend, which types may share; empty: not in the legend."""
+    on_light: str
+    """Color on a light background, #rrggbb."""
+    on_dark: str
 
 
 class RobotBody(Report):
@@ -79,8 +95,8 @@ class Field(Report):
     """Robots that may connect, per team."""
     marker_ids: dict[str, list[int]]
     """By team: the marker id of robot number 1, 2, ..."""
-    kinds: dict[str, int]
-    """Codes of edges; the code of a robot is that of its team plus its number, plus 0 while the number is unknown."""
+    edge_types: dict[str, EdgeTypeReport]
+    """By name: nothing, wall, goal_blue, ..."""
     mirror_m: list[float | None]
     """Distance on the floor at 0, 1, 2, ... pixels from the mirror's center [m]; null beyond the horizon."""
     painted_px: list[list[tuple[float, float]]]
@@ -110,7 +126,7 @@ def field_from(service: ServiceInfo) -> Field:
         ball_radius_m=settings.ball.radius_m,
         numbers=settings.match.numbers,
         marker_ids={"blue": list(settings.match.blue_ids), "yellow": list(settings.match.yellow_ids)},
-        kinds={kind.name.lower(): int(kind) for kind in EdgeKind},
+        edge_types={edge.kind.name.lower(): _edge_type(edge) for edge in EDGE_TYPES},
         mirror_m=_mirror_table(settings),
         painted_px=[_visible(_in_picture(camera, points)) for points in painted_points(field, STEPS + 1)],
     )
@@ -153,6 +169,18 @@ class Outlines:
 def _body(settings: Settings, team: Team) -> RobotBody:
     robots = robots_of(settings.robots, team)
     return RobotBody(outline=robots.outline, radius_m=robots.radius_m)
+
+
+def _edge_type(edge: EdgeType) -> EdgeTypeReport:
+    return EdgeTypeReport(
+        code=int(edge.kind),
+        numbers=len(edge.codes) - 1,
+        meaning=edge.meaning,
+        label=edge.label,
+        legend=edge.legend,
+        on_light=edge.on_light,
+        on_dark=edge.on_dark,
+    )
 
 
 def _in_picture(camera: CameraModel, points_m: Floats, height_m: float | Floats = 0.0) -> Points:

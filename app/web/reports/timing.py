@@ -11,10 +11,10 @@ import numpy as np
 
 from app.web.blackboard import Timings
 from app.web.reports.base import Report
+from vision_core.clock import MS_PER_S
 from vision_core.rtdb.items import Timed
 from vision_core.timing.histogram import EDGES_S, Counts, quantile_s
 
-MS_PER_S = 1e3
 DIGITS = 6
 """Decimals of milliseconds: nanoseconds."""
 UPPER_MS = np.round(EDGES_S[1:] * MS_PER_S, DIGITS)

@@ -213,7 +213,7 @@ def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
 
 def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
     field = http.get("/api/v1/field").json()
-    assert field["kinds"]["robot_yellow"] == 48
+    assert field["edge_types"]["robot_yellow"]["code"] == 48
     assert field["numbers"] == 5
     assert field["robots"]["blue"] == field["robots"]["yellow"] == {"outline": "circle", "radius_m": 0.09}
     assert {segment["kind"] for segment in field["segments"]} == {1, 2, 3}

@@ -56,8 +56,11 @@ class Scene:
         return self.seen.blobs
 
 
-def explain_robots(scene: Scene, settings: Settings) -> list[str]:
-    """Why there are no robots, or why some have no id; empty when every robot is identified. A few sentences."""
+def explain_robots(scene: Scene, settings: Settings, is_over: Callable[[], bool] = lambda: False) -> list[str]:
+    """Why there are no robots, or why some have no id; empty when every robot is identified. A few sentences.
+
+    is_over: called before each attempt with another pattern or size of markers; True ends the attempts.
+    """
     finder = robot_finder(settings, scene.table)
     robots = scene.robots(finder)
     reasons = []
@@ -68,7 +71,7 @@ def explain_robots(scene: Scene, settings: Settings) -> list[str]:
         elif (own["id"] == NO_ID).any() or not len(own):
             reasons += _why_no_id(scene, finder, marker, own, settings)
     if not len(robots) or (robots["id"] == NO_ID).any():
-        reasons += _better_pattern(scene, robots, settings)
+        reasons += _better_pattern(scene, robots, settings, is_over)
     return reasons
 
 
@@ -130,10 +133,12 @@ def _why_no_id(
     return reasons[:MAX_REASONS] + twice
 
 
-def _better_pattern(scene: Scene, robots: Table, settings: Settings) -> list[str]:
+def _better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Callable[[], bool]) -> list[str]:
     """The shipped pattern, or the size of the own one, that explains the picture best, if it is clearly better."""
     best, best_gain, identified = "", MIN_GAIN_RATIO * _gain(robots), 0
     for text, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
+        if is_over():
+            break
         found = scene.robots(finder)
         ids = int((found["id"] != NO_ID).sum())
         if ids and (gain := _gain(found)) > best_gain:
