@@ -52,7 +52,6 @@ class ServiceSnapshot:
     now: Instant
     service: ServiceInfo
     """What stays the same while the service runs, its settings among it."""
-    camera: CameraSetup
     frame: FrameStamp | None
     """The newest image; None before the first."""
     values: Snapshot
@@ -61,6 +60,11 @@ class ServiceSnapshot:
     """Every task, in the order of the task table."""
     tasks: Mapping[str, Timed[TaskInfo]]
     """The newest report of each task by its name; a task that has never reported is missing."""
+
+    @property
+    def camera(self) -> CameraSetup:
+        """The camera as the venue describes it."""
+        return CameraSetup.from_settings(self.service.settings)
 
     def task(self, name: str) -> Task:
         """A task's line of the task table. Raises KeyError for an unknown name."""
@@ -118,7 +122,6 @@ class Blackboard:
         return ServiceSnapshot(
             now=now,
             service=self.service,
-            camera=self.camera,
             frame=_stamp_of(frame, now) if frame is not None else None,
             values=self._catalog.read(now),
             task_names=self.task_names,

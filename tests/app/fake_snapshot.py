@@ -6,7 +6,6 @@ from typing import Any
 from app.web.blackboard import FrameStamp, ServiceSnapshot
 from tests.app.fake_tasks import Condition, process_infos, self_test, task_info
 from vision_core.clock import Instant
-from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.catalog import Snapshot
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, TaskInfo, TaskOverride
@@ -53,7 +52,6 @@ def serving_snapshot() -> ServiceSnapshot:
     return ServiceSnapshot(
         now=NOW,
         service=ServiceInfo("1", Instant(0), "http://h:1", "h:2", SETTINGS, tuple(TASKS.values())),
-        camera=CameraSetup.from_settings(SETTINGS),
         frame=FrameStamp(7, NOW, 0.02),
         values=Snapshot(values),
         task_names=tuple(TASKS),
