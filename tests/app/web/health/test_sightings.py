@@ -80,5 +80,10 @@ def test_a_camera_that_was_moved(lines: LineCheck | None, boundary: FieldBoundar
 
 def test_old_findings_are_no_cause() -> None:
     off = LineCheck(12, 0, 0.0, None, 0.0)
-    assert len(causes(snapshot(off, reasons=("dark",)))) == 2
-    assert causes(snapshot(off, reasons=("dark",), valid=False)) == []
+    assert len(causes(snapshot(off))) == 1
+    assert causes(snapshot(off, valid=False)) == []
+
+
+def test_bad_light_hides_lines_of_a_camera_that_stands() -> None:
+    off = LineCheck(12, 0, 0.0, None, 0.0)
+    assert [cause.key for cause in causes(snapshot(off, reasons=("the picture is black",)))] == ["light"]
