@@ -85,7 +85,8 @@ def _loads(settings: Settings, modules: list[str]) -> Iterator[tuple[str, Callab
     from vision_core.pipeline import warm_up
     from vision_core.tasks.table import task_table
 
-    for name in dict.fromkeys([*modules, *(task.module for task in task_table(settings))]):
+    tasks = (task.module for task in task_table(settings) if task.module)  # the page's is among the arguments
+    for name in dict.fromkeys([*modules, *tasks]):
         yield name, lambda name=name: import_module(name)  # type: ignore[misc]
     for step in (warm_up.perception, warm_up.views, warm_up.camera):
         yield step.__name__, lambda step=step: step(settings)  # type: ignore[misc]
