@@ -57,9 +57,7 @@ class RunningService:
 
 
 @contextlib.contextmanager
-def running_service(
-    *options: str, data_folder: Path | None = None, variables: Mapping[str, str] | None = None
-) -> Iterator[RunningService]:
+def running_service(*options: str, variables: Mapping[str, str] | None = None) -> Iterator[RunningService]:
     """A ready service on free ports; it is stopped at the end of the block, also after an error.
 
     options: further arguments of ``pslv serve``. variables: further environment variables. Raises RuntimeError with the
@@ -67,8 +65,6 @@ def running_service(
     """
     with tempfile.TemporaryFile("w+") as log:
         environment = {**os.environ, **(variables or {})}
-        if data_folder is not None:
-            environment["PSLV_DATA_DIR"] = str(data_folder)
         process = subprocess.Popen(
             [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options],
             cwd=Path(__file__).resolve().parents[1],

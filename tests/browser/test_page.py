@@ -153,7 +153,7 @@ def test_a_robot_is_chosen_on_the_field(browser: Browser, service: FakeService, 
         page.mouse.click(*page.evaluate(PLACE_ON_PAGE, [robot.x_m, robot.y_m]))
         expect(page.locator("#field")).to_have_css("cursor", "pointer")
         expect(page.locator(".tile.blue").nth(1)).to_have_attribute("aria-pressed", "true")
-    expect(page.locator("#selected")).to_contain_text("B?: its number is not read")
+    expect(page.locator("#selected")).to_contain_text("B?: its number cannot be read")
     assert watched.complaints == []
     page.close()
 

@@ -143,15 +143,14 @@ def test_malformed_datagrams_hurt_nobody(service: RunningService) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_stop_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
-    (tmp_path / "jit").symlink_to(ROOT / ".pslv" / "jit")
-    before = set(Path("/dev/shm").iterdir())
-    with running_service(data_folder=tmp_path) as started:
+def test_a_stop_leaves_nothing(number: signal.Signals) -> None:
+    memory, data = Path("/dev/shm"), ROOT / ".pslv"
+    before = {*memory.iterdir(), *data.iterdir()}
+    with running_service() as started:
         pids = list(started.pids().values())
         assert started.stop(number) == 0
     assert not [pid for pid in pids if is_alive(pid)]
-    assert set(Path("/dev/shm").iterdir()) <= before
-    assert {path.name for path in tmp_path.iterdir()} == {"jit"}
+    assert {*memory.iterdir(), *data.iterdir()} <= before
 
 
 def test_a_killed_supervisor_leaves_no_process() -> None:

@@ -8,7 +8,7 @@ import statistics
 from collections import deque
 from collections.abc import Iterable
 
-from vision_core.clock import MS_PER_S, Instant, seconds_between
+from vision_core.clock import MS_PER_S, NS_PER_MS, Instant, seconds_between
 from vision_core.net.delivery import UNKNOWN, mean_rank
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.protocol.lifecycle import Session
@@ -22,7 +22,6 @@ LAGS_KEPT = 300
 """Frames: ten seconds at 30 Hz."""
 REFUSALS_KEPT = 20
 REFUSAL_SHOWN_S = 30.0
-NS_PER_MS = 1e6
 
 
 class DeliveryReport:

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from vision_core.geometry import Floats
+from vision_core.native.angles import wrap_angle
 from vision_core.native.kernels import kernel
 
 X, Y, HEADING, VX, VY, TURN = range(6)
@@ -81,7 +82,7 @@ def _steer(robot: Floats, wish: Floats) -> None:
 def _advance(body: Floats) -> None:
     body[X] += body[VX] * STEP_S
     body[Y] += body[VY] * STEP_S
-    body[HEADING] = (body[HEADING] + body[TURN] * STEP_S + math.pi) % (2.0 * math.pi) - math.pi
+    body[HEADING] = wrap_angle(body[HEADING] + body[TURN] * STEP_S)
 
 
 @kernel
