@@ -140,8 +140,8 @@ def _client(stack: contextlib.ExitStack) -> socket.socket:
 
 
 def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
-    camera, table = loop.settings.camera, loop.perception.table
-    reference = ReferenceSegmenter(camera.width_px, camera.height_px, loop.settings.blobs)
+    table = loop.perception.table
+    reference = ReferenceSegmenter(*loop.perception.camera.size_px, loop.settings.blobs)
     prefilter = loop.perception.context.prefilter
     twin, _ = c_reference_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
     ways: dict[str, Callable[[int], object]] = {"reference": lambda frame: reference.segment(loop.frames[frame], table)}

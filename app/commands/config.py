@@ -1,13 +1,8 @@
 """``pslv config``: show settings as the service would use them, and validate them."""
 
-from typing import TYPE_CHECKING
-
 import typer
 
 from app.commands.options import ConfigFile, Venue
-
-if TYPE_CHECKING:
-    from vision_core.settings.schema import Settings
 
 config_app = typer.Typer(no_args_is_help=True, help="Look at settings.")
 
@@ -29,6 +24,7 @@ def validate(venue: Venue = None, config: ConfigFile = None) -> None:
     from vision_core.patterns.match_rules import match_warnings
     from vision_core.startup.preflight import check_tasks
     from vision_core.tasks.table import check_table
+    from vision_core.venues.camera_rules import fit_in_words
     from vision_core.venues.loader import layers_of, place_of, settings_from_layers
 
     layers = layers_of(venue, config)
@@ -37,20 +33,6 @@ def validate(venue: Venue = None, config: ConfigFile = None) -> None:
     camera = CameraSetup.from_settings(settings)
     check_tasks(settings, camera)
     size = "x".join(map(str, camera.size_px))
-    typer.echo(f"in order: field {settings.field.name}, camera {size}{_fit(settings)}")
+    typer.echo(f"in order: field {settings.field.name}, camera {size}{fit_in_words(settings)}")
     for warning in match_warnings(settings, lambda key: place_of(key, layers)):
         typer.echo(f"warning: {warning}")
-
-
-def _fit(settings: "Settings") -> str:
-    """How well a camera from named points fits them, in words; empty for a calibrated lens."""
-    from vision_core.venues.camera_rules import fit_residual
-
-    homography = settings.camera.homography
-    if settings.camera.model != "homography" or homography is None:
-        return ""
-    if len(homography.points) == 4:
-        return " from four points (which fit exactly: further points would show an error)"
-    residual = fit_residual(homography.points)
-    rms, worst = f"{residual.rms_px:.1f} px rms", f"{residual.worst_px:.1f} px at {residual.worst!r}"
-    return f" from {len(homography.points)} points, residual {rms}, worst {worst}"

@@ -90,6 +90,18 @@ def fit_residual(points: Sequence[NamedPoint]) -> FitResidual:
     return FitResidual(float(np.sqrt((distances**2).mean())), float(distances[worst]), points[worst].name)
 
 
+def fit_in_words(settings: Settings) -> str:
+    """How well a camera from named points fits them, " from 5 points, ..."; empty for a calibrated lens."""
+    fitted = settings.camera.homography
+    if settings.camera.model != "homography" or fitted is None:
+        return ""
+    if len(fitted.points) == 4:
+        return " from four points (which fit exactly: further points would show an error)"
+    residual = fit_residual(fitted.points)
+    rms, worst = f"{residual.rms_px:.1f} px rms", f"{residual.worst_px:.1f} px at {residual.worst!r}"
+    return f" from {len(fitted.points)} points, residual {rms}, worst {worst}"
+
+
 def _residuals(points: Sequence[NamedPoint]) -> Floats:
     pixels, places = _pixels(points), _places(points)
     distances: Floats = np.hypot(*(mapped(homography(places, pixels), places) - pixels).T)
