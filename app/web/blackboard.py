@@ -88,7 +88,7 @@ class ServiceSnapshot:
 
 @dataclass(frozen=True, slots=True)
 class Timings:
-    """All histograms at one instant: counts since the start of the process that counts."""
+    """All histograms at one instant. Counts begin with the start of the process that writes them."""
 
     tasks: dict[str, Timed[Mapping[str, Counts]]]
     """By the task's name, then by the histogram's (TIMINGS)."""

@@ -60,10 +60,10 @@ class SegmentBuffers(NamedTuple):
 
 
 def min_height_px(smallest_px: float, row_step: float) -> int:
-    """Height from which on blobs must not be missed, at least 1: the distance that rows may have.
+    """Height of the lowest blob that must be found [px], at least 1. Sampled rows may lie this far apart.
 
-    smallest_px: diameter of the smallest dot or patch in the picture; row_step: the share of it that counts, under 1,
-    because a dot may be cut by its neighbor or lose its edge to noise.
+    smallest_px: diameter of the smallest dot or patch in the picture; row_step: share of that diameter, under 1,
+    because a neighbor may cut a dot, and noise may take its edge.
     """
     return max(1, int(row_step * smallest_px))
 

@@ -137,7 +137,7 @@ def _channels(builder: Any, data: Any, pixel: Any) -> list[Any]:
 
 
 def _lane_indices(places: list[int]) -> Any:
-    """Constant indices for a shuffle."""
+    """The lane indices of a vector shuffle, as a constant of LLVM."""
     return ir.Constant(ir.VectorType(WORD, LANES), places)
 
 

@@ -88,7 +88,7 @@ def nearest_rival(pattern: Pattern, other: Pattern) -> Rival | None:
         fits = np.where(alike, misfits, math.inf)
         off = np.maximum(fits.min(axis=2).max(axis=1), fits.min(axis=1).max(axis=1))
         if pattern is other and worn == others:
-            off = _away_from_itself(off)
+            off = _local_minima(off)
         nearest = int(np.argmin(off))
         if math.isfinite(off[nearest]) and (best is None or off[nearest] < best.off_mm):
             names = f"{pattern.name} {team} {number}", f"{other.name} {other_team} {other_number}"
@@ -96,11 +96,15 @@ def nearest_rival(pattern: Pattern, other: Pattern) -> Rival | None:
     return best
 
 
-def _away_from_itself(off: Floats) -> Floats:
-    """Distances without those of small turns, at which every marker resembles itself: only further minima count."""
-    comes_nearer = (off <= np.roll(off, 1)) & (off <= np.roll(off, -1))
-    comes_nearer[0] = False
-    return np.where(comes_nearer, off, math.inf)
+def _local_minima(off: Floats) -> Floats:
+    """Distances at their local minima, inf elsewhere.
+
+    off: distance of a marker from itself turned by a growing angle. At small angles every marker resembles itself;
+    only a further minimum is a heading for which it can be mistaken. The first angle never counts.
+    """
+    is_minimum = (off <= np.roll(off, 1)) & (off <= np.roll(off, -1))
+    is_minimum[0] = False
+    return np.where(is_minimum, off, math.inf)
 
 
 Look = tuple[Team, int, tuple[str, ...]]

@@ -75,7 +75,7 @@ def camera(settings: Settings) -> None:
 
 def compile_blobs(settings: Settings) -> None:
     """Compile the segmentation for ``perceive_picture``, and what judges the light."""
-    stage, seen, _ = _prepared(settings)
+    stage, seen, _ = _finder_inputs(settings)
     stage.lighting.warm_up()
     context = stage.context
     compile_for_kernels(
@@ -93,19 +93,19 @@ def compile_blobs(settings: Settings) -> None:
 
 def compile_robots(settings: Settings) -> None:
     """Compile the finder of robots for ``perceive_picture``."""
-    stage, seen, sightings = _prepared(settings)
+    stage, seen, sightings = _finder_inputs(settings)
     compile_for_kernels(find_robots, seen, stage.context.robots, field_type(sightings, "robots"))
 
 
 def compile_balls(settings: Settings) -> None:
     """Compile the finder of balls for ``perceive_picture``."""
-    stage, seen, sightings = _prepared(settings)
+    stage, seen, sightings = _finder_inputs(settings)
     robots, balls = field_type(sightings, "robots"), field_type(sightings, "balls")
     compile_for_kernels(find_balls, seen, robots, 0, stage.context.balls, balls)
 
 
-def _prepared(settings: Settings) -> tuple[Perception, Observation, Table]:
-    """Perception, what its finders look at, and a table of sightings."""
+def _finder_inputs(settings: Settings) -> tuple[Perception, Observation, Table]:
+    """The arguments of the finders: the perception stage, the observation of an empty picture, an empty table."""
     setup = CameraSetup.from_settings(settings)
     stage = Perception(settings, setup)
     seen = Observation(stage.blobs, 0, read_only(setup.black_image()), stage.context.classes, stage.context.camera)

@@ -98,7 +98,7 @@ def options_from_forms(forms: Sequence[str | Form]) -> tuple[Options, bool] | Er
         if changed is None:
             return ErrorCode.ILLEGAL_MIRROR if form[0] == "mirror" else ErrorCode.ILLEGAL_OPTION
         options = changed
-    if (unknown and options.version <= HIGHEST_VERSION) or not _fits(options):
+    if (unknown and options.version <= HIGHEST_VERSION) or not _has_valid_directions(options):
         return ErrorCode.ILLEGAL_OPTION
     return options, unknown
 
@@ -177,7 +177,8 @@ def _on_grid(angle_deg: float) -> bool:
     return (angle_deg * TICKS_PER_DEG).is_integer()
 
 
-def _fits(options: Options) -> bool:
+def _has_valid_directions(options: Options) -> bool:
+    """Do the directions lie on the grid of rays, and does their number fit into a datagram?"""
     on_grid = _on_grid(options.first_deg) and _on_grid(options.resolution_deg)
     return on_grid and 1 <= options.directions <= MAX_DIRECTIONS
 

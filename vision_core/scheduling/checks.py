@@ -26,7 +26,7 @@ class TableProblem:
 
 
 def problems(tasks: Sequence[Task], given: Sequence[str], camera_rate_hz: float) -> list[TableProblem]:
-    """Everything that is wrong with a table. given: records that are written by something that is not on it."""
+    """Everything that is wrong with a task table. given: names of records that no task of the table writes."""
     return [
         *_writers(tasks, given),
         *_inputs(tasks, given),
@@ -100,7 +100,7 @@ def _cycles(tasks: Sequence[Task]) -> Iterator[TableProblem]:
 
 
 def rate_problems(tasks: Sequence[Task], camera_rate_hz: float) -> Iterator[TableProblem]:
-    """Periods, budgets, priorities and processes that cannot be: what a change of times can break."""
+    """Problems of periods, budgets, priorities and processes: those that a change at run time can cause, too."""
     for task in tasks:
         yield from _rate(task, camera_rate_hz)
         if task.trigger in (DRIVER, NONE) and any(other.process == task.process for other in tasks if other != task):

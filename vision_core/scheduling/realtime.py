@@ -75,7 +75,7 @@ def _lower_nice() -> str:
 
 
 def lock_memory() -> Refusal | None:
-    """Keep every page that was touched in memory, and give none back to the system; None when that is granted."""
+    """Lock all present and future pages into memory; returns None, or the kernel's refusal."""
     library = ctypes.CDLL(None, use_errno=True)
     if hasattr(library, "mallopt"):  # glibc; a page that was given back would cost a page fault when it is needed again
         library.mallopt(M_TRIM_THRESHOLD, -1)

@@ -75,7 +75,10 @@ def nearest_edges(
 
 @kernel
 def turn_rays(ray_x: Floats, ray_y: Floats, cos: float, sin: float, ux: Floats, uy: Floats) -> None:
-    """Turn unit vectors from robot space into field space, by a heading's cosine and sine; ux, uy are filled."""
+    """Rotate unit vectors from robot space into field space; writes the result into ux and uy, shape (n,).
+
+    ray_x, ray_y: the vectors in robot space, shape (n,); cos, sin: of the robot's heading.
+    """
     for i in range(len(ux)):
         ux[i] = ray_x[i] * cos - ray_y[i] * sin
     for i in range(len(uy)):

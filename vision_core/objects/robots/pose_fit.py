@@ -26,7 +26,7 @@ MAX_PER_ANCHOR = 8
 def assign_blobs(
     neighbors: Table, count: int, offsets: Floats, tolerance: float, first: int, first_slot: int, assigned: Indices
 ) -> bool:  # fmt: skip
-    """Put a neighbor into a slot, and into every other slot the nearest neighbor within the gate.
+    """Assign a neighboring blob to a slot, and to every other slot the nearest neighbor within the gate.
 
     neighbors: NEIGHBOR table of which count rows hold; offsets: of the slots [m]; False if the first neighbor cannot
     fill its slot. assigned: filled, shape (8,).

@@ -147,7 +147,7 @@ def _better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Ca
 
 
 def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
-    """A finder for every shipped pattern whose colors have a class here, and how its result is introduced."""
+    """For every shipped pattern whose colors are classes of this venue: a finder, and the first words of its reason."""
     own = {robots_of(settings.robots, team).pattern for team in TEAMS}
     for path in sorted((config_folder() / "patterns").glob("*.toml")):
         if path.stem in own:
