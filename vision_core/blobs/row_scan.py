@@ -20,6 +20,8 @@ from vision_core.types.prefilter import ColorPrefilter
 from vision_core.types.tables import Table
 
 Boxes = NDArray[np.int32]
+Cells = NDArray[np.uint16]
+Seeds = NDArray[np.int32]
 
 LEFT, TOP, RIGHT, BOTTOM = range(4)
 """Columns of a table of windows, inclusive, as the boxes of blobs."""
@@ -38,11 +40,11 @@ class SegmentBuffers(NamedTuple):
     """A bit per pixel: flooded in this picture; none between pictures. Shape (height, width / 64 rounded up)."""
     boxes: Boxes
     """Of all that was flooded in a picture, however small; columns as of windows. Shape (seeds, 4)."""
-    seeds: NDArray[np.int32]
+    seeds: Seeds
     """Pixels where a run with a class starts, shape (seeds, 2)."""
     stack: Table
     """FLOODED_RUN."""
-    cells: NDArray[np.uint16]
+    cells: Cells
     """Of one row: cells of the color table, 64 by 64."""
     starts: NDArray[np.int64]
     """Column where each 64 of them start."""
@@ -136,51 +138,57 @@ def find_seeds(
         margin[0], margin[1], margin[2], margin[3], margin[4], margin[5], margin[6], margin[7],
         level[0], level[1], level[2], level[3], level[4], level[5], level[6], level[7],
     )  # fmt: skip
+    # taken out of the tuple once: in the loop every access to an array of it may count references
+    apart, cells, starts, table = buffers.rows_apart, buffers.cells, buffers.starts, buffers.seeds
     for number in range(first, after):
-        y = (number + 1) * buffers.rows_apart - 1
+        y = (number + 1) * apart - 1
         chunks = 0
         x = left
         # pass 1: 64 pixels at a time through the prefilter; the few chunks that pass get their color cells computed
         while x < right:
             start = max(min(x, width - LANES), 0)
             if number + 1 < after:
-                below = (y + buffers.rows_apart) * width + start
+                below = (y + apart) * width + start
                 prefetch(flat, below)  # 64 pixels are three cache lines
                 prefetch(flat, below + 21)
                 prefetch(flat, below + 42)
             if width < LANES:
-                _write_short_row(flat, y * width, width, buffers.cells)
+                _write_short_row(flat, y * width, width, cells)
                 chunks = 1
             elif prefilter_mask(flat, y * width + start, limits) != np.uint64(0):
-                write_cells(flat, y * width + start, buffers.cells, chunks * LANES)
-                buffers.starts[chunks] = start
+                write_cells(flat, y * width + start, cells, chunks * LANES)
+                starts[chunks] = start
                 chunks += 1
             x = start + LANES
         # pass 2: the color table decides
         for chunk in range(chunks):
-            if any_class(buffers.cells, chunk * LANES, classes) != 0:
-                count = _add_seeds(classes, chunk, y, left, right, buffers, count)
+            if any_class(cells, chunk * LANES, classes) != 0:
+                count = _add_seeds(classes, cells, chunk * LANES, starts[chunk], y, left, right, table, count)
     return count
 
 
 @kernel
-def _add_seeds(classes: Bytes, chunk: int, y: int, left: int, right: int, buffers: SegmentBuffers, count: int) -> int:
-    """Append the seeds of 64 pixels that lie in columns left..right, exclusive; the new count, or OVER_LIMIT."""
-    start = buffers.starts[chunk]
+def _add_seeds(
+    classes: Bytes, cells: Cells, place: int, start: int, y: int, left: int, right: int, seeds: Seeds, count: int
+) -> int:
+    """Append the seeds of 64 pixels that lie in columns left..right, exclusive; the new count, or OVER_LIMIT.
+
+    place: of their first cell; start: column of their first pixel.
+    """
     before = 0
     for lane in range(max(left - start, 0), min(right - start, LANES)):
-        color = classes[buffers.cells[chunk * LANES + lane]]
+        color = classes[cells[place + lane]]
         if color not in (0, before):
-            if count == OVER_LIMIT or count == len(buffers.seeds):
+            if count == OVER_LIMIT or count == len(seeds):
                 return OVER_LIMIT
-            buffers.seeds[count, SEED_X], buffers.seeds[count, SEED_Y] = start + lane, y
+            seeds[count, SEED_X], seeds[count, SEED_Y] = start + lane, y
             count += 1
         before = color
     return count
 
 
 @kernel
-def _write_short_row(flat: Bytes, first: int, width: int, cells: NDArray[np.uint16]) -> None:
+def _write_short_row(flat: Bytes, first: int, width: int, cells: Cells) -> None:
     """The color cells of a row with fewer than 64 pixels; the rest repeats the first pixel."""
     for lane in range(LANES):
         pixel = 3 * (first + (lane if lane < width else 0))
@@ -193,47 +201,49 @@ def flood_seeds(
 ) -> tuple[int, bool]:
     """Fill a BLOB table from the seeds: how many blobs, and whether there was room for all; or (OVER_LIMIT, False)."""
     found, flooded, all_blobs, budget = 0, 0, True, buffers.flood_px
+    # taken out of the tuple once: in the loop every access to an array of it may count references
+    visited, table, boxes, stack = buffers.visited, buffers.seeds, buffers.boxes, buffers.stack
+    apart, min_area = buffers.rows_apart, buffers.min_area_px
     for seed in range(seeds):
         if seed + PREFETCH_SEEDS < seeds:
-            _prefetch_seed(flat, width, height, seed + PREFETCH_SEEDS, buffers)
+            later_x, later_y = int(table[seed + PREFETCH_SEEDS, SEED_X]), int(table[seed + PREFETCH_SEEDS, SEED_Y])
+            _prefetch_seed(flat, width, height, later_x, later_y, apart, visited)
         # several seeds lie in one blob: only the first one floods it
-        x, y = int(buffers.seeds[seed, SEED_X]), int(buffers.seeds[seed, SEED_Y])
-        if is_visited(buffers.visited, y, x):
+        x, y = int(table[seed, SEED_X]), int(table[seed, SEED_Y])
+        if is_visited(visited, y, x):
             continue
         if found == len(blobs):
             all_blobs = False
             break
-        area = flood(flat, width, height, classes, x, y, buffers.visited, buffers.stack, budget, blobs[found])
+        area = flood(flat, width, height, classes, x, y, visited, stack, budget, blobs[found])
         if area == OVER_LIMIT:
-            buffers.visited[:] = np.uint64(0)
+            visited[:] = np.uint64(0)
             return OVER_LIMIT, False
         # note the box, to clear its bits afterwards; blobs that are too small are overwritten by the next
-        box, blob = buffers.boxes[flooded], blobs[found]
+        box, blob = boxes[flooded], blobs[found]
         box[LEFT], box[TOP], box[RIGHT], box[BOTTOM] = blob.left, blob.top, blob.right, blob.bottom
         flooded += 1
         budget -= area
-        if area >= buffers.min_area_px:
+        if area >= min_area:
             found += 1
-    clear_visited(buffers, flooded)
+    clear_visited(visited, boxes, flooded)
     return (found, all_blobs) if seeds != OVER_LIMIT else (OVER_LIMIT, False)
 
 
 @kernel
-def clear_visited(buffers: SegmentBuffers, flooded: int) -> None:
+def clear_visited(visited: Bits, boxes: Boxes, flooded: int) -> None:
     """Clear the bits of what was flooded: a few thousand bytes, where the picture has hundreds of thousands."""
-    for box in buffers.boxes[:flooded]:
+    for box in boxes[:flooded]:
         for y in range(box[TOP], box[BOTTOM] + 1):
             for word in range(box[LEFT] >> 6, (box[RIGHT] >> 6) + 1):
-                buffers.visited[y, word] = np.uint64(0)
+                visited[y, word] = np.uint64(0)
 
 
 @kernel
-def _prefetch_seed(flat: Bytes, width: int, height: int, seed: int, buffers: SegmentBuffers) -> None:
+def _prefetch_seed(flat: Bytes, width: int, height: int, x: int, y: int, apart: int, visited: Bits) -> None:
     """Prefetch the pixels round a seed, which lie in rows that have not been read yet."""
-    x, y = int(buffers.seeds[seed, SEED_X]), int(buffers.seeds[seed, SEED_Y])
-    if is_visited(buffers.visited, y, x):
+    if is_visited(visited, y, x):
         return
-    apart = buffers.rows_apart
     for row in range(max(y - apart, 0), min(y + 2 * apart, height)):
         prefetch(flat, row * width + x - apart)
         prefetch(flat, row * width + x + apart)
