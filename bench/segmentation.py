@@ -151,8 +151,9 @@ def c_reference_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
     regions = np.zeros(chosen.max_runs * 48, dtype=np.uint8)
     blobs = np.zeros(chosen.max_blobs, dtype=BLOB)
     classes = scene.table.classes
-    pointers = [ctypes.c_void_p(array.ctypes.data) for array in (classes, runs, regions, blobs)]
-    images = [ctypes.c_void_p(frame.ctypes.data) for frame in scene.frames]
+    # such a pointer keeps its array alive, which nothing else does for runs and regions
+    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (classes, runs, regions, blobs)]
+    images = [frame.ctypes.data_as(ctypes.c_void_p) for frame in scene.frames]
 
     def segment(number: int) -> int:
         found = library.segment(
