@@ -197,7 +197,7 @@ def test_obstacles_are_shown_and_explained(browser: Browser, service: FakeServic
     expect(page.locator("#selected")).to_contain_text("no known robot and no ball, 22 cm wide")
     expect(page.locator("#field")).to_have_css("cursor", "help")
     assert page.evaluate(COLOR_IN_PICTURE, UNKNOWN_RING)
-    page.get_by_label("obstacles").uncheck()
+    page.get_by_role("checkbox", name="obstacles").uncheck()
     assert not page.evaluate(COLOR_IN_PICTURE, UNKNOWN_RING)
     page.keyboard.press("Escape")
     expect(page.locator("#selected")).to_contain_text("Choose a robot")

@@ -12,14 +12,12 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from app.launch.resource_owners import lock_camera
 from bench.service import RunningService, is_alive, running_service
 from tests.conftest import ROOT
 from vision_core.clock import MonotonicClock
-from vision_core.native.opencv import write_picture
 from vision_core.net.control import attach_to
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
@@ -229,15 +227,14 @@ def test_bad_sources_are_named(tmp_path: Path) -> None:
     assert "camera" in refused("--source", "camera:/dev/no-such-camera")
     assert "camera" in refused("--source", f"camera:{'9' * 30}")
     assert "File name too long" in refused("--source", f"file:{'x' * 300}")
-    write_picture(tmp_path / "a.png", np.zeros((480, 640, 3), dtype=np.uint8))
-    assert "empty.png; found: an empty file" in refused("--source", f"file:{tmp_path}")
+    assert "not played: empty.png: an empty file" in refused("--source", f"file:{tmp_path}")
 
 
 def test_bad_settings_are_named(tmp_path: Path) -> None:
     venue = tmp_path / "venue.toml"
     venue.write_text("[camera]\nrate = 30\n")
     said = refused("--venue", str(venue))
-    assert f"{venue}: camera.rate; found: no setting of this name (did you mean rate_hz?)" in said
+    assert f"{venue}, line 2: camera.rate; found: no setting of this name (did you mean rate_hz?)" in said
     assert "found: 99999; accepted: a whole number <= 65535" in refused("--port", "99999")
     assert "TCP port 0 at" in refused("--host", "\u00e4" * 80)
     boxes = ", ".join(["{ hue_deg = [1.0, 2.0], value = [0.1, 0.2] }"] * 600)

@@ -8,7 +8,7 @@ import pytest
 from vision_core.native.fingerprint import PACKAGE, kernel_fingerprint
 
 CONSTANTS = [
-    ("objects/robots/buffers.py", "BUCKETS = 64", "BUCKETS = 32"),
+    ("objects/robots/buffers.py", "GRID_CELLS = 64", "GRID_CELLS = 32"),
     ("types/tables.py", "MAX_NUMBERS = 16", "MAX_NUMBERS = 17"),
     ("models/mirror.py", "**2", "**3"),
     ("protocol/see.py", "return", "yield"),
