@@ -25,6 +25,8 @@ from app.web.routes.health import health_routes
 from app.web.routes.pages import page_routes, static_files
 from app.web.routes.tasks import task_routes
 from app.web.routes.timing import timing_routes
+from app.web.routes.view3d import view3d_routes
+from app.web.view3d.view import View3D
 from vision_core.rtdb.store import Store
 from vision_core.scheduling.metrics import TaskMetrics
 
@@ -43,6 +45,7 @@ def create_app(store: Store) -> FastAPI:
     metrics = TaskMetrics(store, task, task.process)
     monitor = HealthMonitor()
     live = Live(blackboard, monitor, metrics)
+    view3d = View3D(blackboard)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -51,6 +54,7 @@ def create_app(store: Store) -> FastAPI:
                 group.create_task(keep_beating(store, task, metrics, live)),
                 group.create_task(watch_health(blackboard, monitor)),
                 group.create_task(live.run()),
+                group.create_task(view3d.run()),
             )
             yield
             for each in background:
@@ -72,6 +76,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(task_routes(blackboard, TaskOverrides(store, blackboard.service)))
     app.include_router(timing_routes(blackboard, monitor, live))
     app.include_router(page_routes())
+    app.include_router(view3d_routes(view3d))
     app.mount("/web", static_files())
 
     @app.websocket("/live")

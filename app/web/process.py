@@ -10,8 +10,8 @@ import uvicorn
 from app.web.application import create_app
 from vision_core.scheduling.attachment import attach
 
-MAX_MESSAGE = 1024
-"""Largest message that a page may send [bytes]; it sends only the word "next"."""
+MAX_MESSAGE = 65536
+"""Largest message that a page may send [bytes]: those of the 3D view are the longest."""
 
 
 def main() -> None:
