@@ -16,8 +16,9 @@ export function showStatus(status, pages, isSeen) {
   setText($("client-count"), String(status.clients.length));
   setText($("service"), `version ${status.version}, up ${duration(status.uptime_s)}, ${counted(pages, "page")} open`);
   showReasons(camera.reasons);
-  setText($("refused"), status.refused.length ? `refused: ${status.refused.at(-1)}` : "");
-  $("refused").title = status.refused.join("\n");
+  const refused = status.refused.map(({ address, port, error }) => `${address} port ${port}: ${error}`);
+  setText($("refused"), refused.length ? `refused: ${refused.at(-1)}` : "");
+  $("refused").title = refused.join("\n");
   showClients(status, isSeen);
 }
 

@@ -14,6 +14,9 @@ from app.commands.options import ConfigFile, Venue
 from app.commands.progress import Progress, print_line
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vision_core.settings.layers import Layer
     from vision_core.settings.schema import Settings
 
 
@@ -53,10 +56,10 @@ def serve(
     layers = layers_of(venue, config, options)
     settings = settings_from_layers(layers)
     check_table(settings, lambda key: place_of(key, layers))
-    sys.exit(_run(settings))
+    sys.exit(_run(settings, layers))
 
 
-def _run(settings: "Settings") -> int:
+def _run(settings: "Settings", layers: "Sequence[Layer]") -> int:
     """Run the service until it is stopped. Returns its exit status."""
     from app.launch.plan import plan_service, prepare_kernel_folder
     from app.launch.preflight import preflight
@@ -70,7 +73,7 @@ def _run(settings: "Settings") -> int:
     with contextlib.ExitStack() as held:
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
-        plan, info = plan_service(settings, __version__)
+        plan, info = plan_service(settings, __version__, layers)
         machine = preflight(settings, print_line)
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
         print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")

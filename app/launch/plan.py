@@ -6,6 +6,7 @@ import socket
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import msgspec
 
@@ -21,6 +22,7 @@ from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
+from vision_core.settings.layers import Layer
 from vision_core.settings.schema import Settings
 from vision_core.tasks.table import COMPILER, RESPONDER, record_specs, task_table
 
@@ -39,11 +41,15 @@ ROOM_FOR_ADDRESSES = 1024
 """Left in the service's record beside the settings [bytes]."""
 
 
-def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, ServiceInfo]:
-    """Open the sockets and lay out everything else. Raises ServiceError, with nothing left open."""
+def plan_service(settings: Settings, version: str, layers: Sequence[Layer] = ()) -> tuple[ServicePlan, ServiceInfo]:
+    """Open the sockets and lay out everything else. layers: where the settings come from.
+
+    Raises ServiceError, with nothing left open.
+    """
     if sys.platform != "linux":
         raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
-    size, room = len(msgspec.msgpack.encode(settings)), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
+    values = tuple(replace(layer, text="") for layer in layers)
+    size, room = len(msgspec.msgpack.encode((settings, values))), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
     if size > room:
         raise ServiceError("settings", found=f"{size} bytes of them", accepted=f"at most {room} bytes")
     server = settings.server
@@ -65,6 +71,7 @@ def plan_service(settings: Settings, version: str) -> tuple[ServicePlan, Service
         udp=f"{_shown(main)}, sessions {session.getsockname()[1]}",
         settings=settings,
         tasks=tasks,
+        layers=values,
     )
     plan = ServicePlan(
         children=children,
@@ -153,11 +160,11 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
 def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:
     """Records whose writing releases a task; a driver's task waits for whatever other tasks write for it.
 
-    Every process reads ``proposed_settings`` in its own time: that record releases none.
+    Every process reads ``live_settings`` in its own time: that record releases none.
     """
     written = {record for other in tasks if other != task for record in other.writes}
     if task.trigger == DRIVER:
-        return tuple(record for record in task.reads if record in written and record != records.PROPOSED.name)
+        return tuple(record for record in task.reads if record in written and record != records.LIVE_SETTINGS.name)
     return (task.trigger,) if task.trigger in written else ()
 
 

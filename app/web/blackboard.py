@@ -82,8 +82,8 @@ class ServiceSnapshot:
     @property
     def overrides(self) -> Mapping[str, TaskOverride]:
         """The overrides in effect by the task's name; tasks that run as the settings have them are missing."""
-        proposed = self.of(records.PROPOSED)
-        return proposed.value.tasks if proposed else {}
+        live = self.of(records.LIVE_SETTINGS)
+        return live.value.tasks if live else {}
 
 
 @dataclass(frozen=True, slots=True)

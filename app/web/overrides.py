@@ -1,6 +1,6 @@
 """Changes of tasks while the service runs: checked like the task table at the start, then written to the database.
 
-The web process is the only writer of the record ``proposed_settings``. Every process reads it between two runs, applies
+The web process is the only writer of the record ``live_settings``. Every process reads it between two runs, applies
 it, and reports in ``task/<name>`` how its task runs then. A restarted web process continues with the record's content.
 """
 
@@ -15,7 +15,7 @@ from app.web.reports.tasks import Override
 from vision_core.clock import MonotonicClock
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import ProposedSettings, ServiceInfo, TaskOverride
+from vision_core.rtdb.infos import LiveSettings, ServiceInfo, TaskOverride
 from vision_core.rtdb.store import Store
 from vision_core.scheduling.checks import TableProblem, rate_problems
 from vision_core.scheduling.executive import with_override
@@ -28,9 +28,10 @@ class TaskOverrides:
         self._rate_hz = CameraSetup.from_settings(service.settings).rate_hz
         self._table = {task.name: task for task in service.tasks}
         self._clock = MonotonicClock()
-        self._writer = records.PROPOSED.writer(store)
-        stored = records.PROPOSED.reader(store).read(self._clock.now())
-        self._tasks = dict(stored.value.tasks) if stored else {}
+        self._writer = records.LIVE_SETTINGS.writer(store)
+        stored = records.LIVE_SETTINGS.reader(store).read(self._clock.now())
+        self._live = stored.value if stored else LiveSettings.of(service.settings)
+        self._tasks = dict(self._live.tasks)
 
     def of(self, name: str) -> TaskOverride:
         """The override of a task; without values when it runs as the settings have it."""
@@ -56,7 +57,8 @@ class TaskOverrides:
         if override != TaskOverride():
             self._tasks[name] = override
         now = self._clock.now()
-        self._writer.write(ProposedSettings(dict(self._tasks)), now, now)
+        self._live = replace(self._live, revision=self._live.revision + 1, tasks=dict(self._tasks))
+        self._writer.write(self._live, now, now)
 
     def _check(self, name: str, request: Override, changed: TaskOverride) -> None:
         task = self._table[name]

@@ -89,7 +89,7 @@ class FakeService:
         self.block = create_block(self.specs)
         self.store = Store(self.specs, self.block)
         self.boot = self.clock.now()
-        self._proposed = self.store.reader(records.PROPOSED.spec.name)
+        self._live = self.store.reader(records.LIVE_SETTINGS.spec.name)
         self._writers = {spec.name: self.store.writer(spec.name) for spec in self.specs}
         self._camera = CameraSetup.from_settings(self.settings).model
         self._picture = FakePicture(self.settings, self._things())
@@ -118,8 +118,8 @@ class FakeService:
 
     def write_tasks(self) -> None:
         """What every task says of itself; the page speaks for itself."""
-        proposed = records.PROPOSED.over_reader(self._proposed).read(self.clock.now())
-        wishes = proposed.value.tasks if proposed else {}
+        live = records.LIVE_SETTINGS.over_reader(self._live).read(self.clock.now())
+        wishes = live.value.tasks if live else {}
         for task in self.tasks:
             if {task.name, task.process}.isdisjoint({"web", *self.scene.states, *self.scene.condition.silent}):
                 wish = wishes.get(task.name, TaskOverride())

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.clock import NS_PER_MS, Instant
+from vision_core.clock import NS_PER_MS, Instant, after
+from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import (
     LAGS,
@@ -26,6 +27,7 @@ from vision_core.rtdb.items import Item
 from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.task import Task
 from vision_core.scheduling.executive import with_override
+from vision_core.settings.schema import MirrorConstants
 from vision_core.timing.histogram import Histograms
 from vision_core.types.objects import Team
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
@@ -139,6 +141,8 @@ def clients_of(condition: Condition, count: int, per_team: int, sent: int, since
             mean_rank=0.48 + 0.004 * index,
             network_ms=0.1 + 0.01 * index if condition.reporting and index != 1 else None,
             client_ms=2.0 if condition.reporting and index != 1 else None,
+            heard=after(since, 0.1),
+            mirror=MirrorConstants(a=PAPER_MIRROR.a, b=PAPER_MIRROR.b, c=PAPER_MIRROR.c),
         )
         for index in range(count)
     )

@@ -17,6 +17,7 @@ from vision_core.protocol.admission import Admission
 from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.see import reference_see
 from vision_core.protocol.session import Event, SessionRules, Sessions
+from vision_core.types.objects import Team
 from vision_core.types.views import BallView
 
 PATIENCE_S = 2.0
@@ -59,7 +60,7 @@ class Stadium:
 
     @staticmethod
     def rules_of(boot: Instant) -> SessionRules:
-        return SessionRules(boot, 5, 600.0, 3.6, PAPER_MIRROR, Admission.from_subnets(SUBNETS))
+        return SessionRules(boot, 5, 600.0, 3.6, dict.fromkeys(Team, PAPER_MIRROR), Admission.from_subnets(SUBNETS))
 
     @property
     def port(self) -> int:

@@ -27,7 +27,7 @@ SUBNETS = ("10.0.0.0/24", "fd00::/64")
 
 
 def rules(lease_s: float = 600.0) -> SessionRules:
-    return SessionRules(BOOT, 5, lease_s, 3.6, PAPER_MIRROR, Admission.from_subnets(SUBNETS))
+    return SessionRules(BOOT, 5, lease_s, 3.6, dict.fromkeys(Team, PAPER_MIRROR), Admission.from_subnets(SUBNETS))
 
 
 def simple_view(

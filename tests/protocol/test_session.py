@@ -379,9 +379,11 @@ def test_a_higher_version_is_answered_with_ours_and_a_warning() -> None:
 def test_strangers_get_one_short_error_now_and_then() -> None:
     server = Server()
     assert server.answers(INIT, STRANGER) == [b"(error not_admitted)"]
-    assert server.hear(INIT, STRANGER) == []
+    asked = RequestRefused(STRANGER, ErrorCode.NOT_ADMITTED, Team.BLUE, 3)
+    assert server.hear(INIT, STRANGER) == [asked], "the operator is shown every request that is read"
     server.clock.advance(5.0)
-    assert server.hear(INIT, STRANGER)[-1] == RequestRefused(STRANGER, ErrorCode.NOT_ADMITTED)
+    assert server.hear(INIT, STRANGER)[-1] == asked
+    assert server.hear(b"(bye)", STRANGER) == [RequestRefused(STRANGER, ErrorCode.NOT_ADMITTED)]
     assert len(server.sessions) == 0
 
 

@@ -15,7 +15,7 @@ from tests.scheduling.tables import line
 from vision_core.clock import MonotonicClock
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import ProposedSettings, TaskOverride
+from vision_core.rtdb.infos import LiveSettings, TaskOverride
 from vision_core.rtdb.items import packed
 from vision_core.rtdb.store import create_block
 from vision_core.rtdb.task import PERIOD, Task
@@ -37,7 +37,7 @@ PHASE_S = 0.5
 def main() -> None:
     """Phases of half a second: as declared; slow twice as fast and eyes off; all as declared again."""
     specs = (
-        *(item.spec for item in (IMAGES, SEEN, records.PROPOSED)),
+        *(item.spec for item in (IMAGES, SEEN, records.LIVE_SETTINGS)),
         *(records.task(task.name).spec for task in TASKS),
         *(records.timing(task.name) for task in TASKS),
         records.heartbeat("p"),
@@ -63,10 +63,10 @@ def main() -> None:
 
     def drive() -> None:
         clock, images = MonotonicClock(), IMAGES.writer(attachment.store)
-        proposals = records.PROPOSED.writer(attachment.store)
+        proposals = records.LIVE_SETTINGS.writer(attachment.store)
         changes = {"slow": TaskOverride(period_ms=20.0), "eyes": TaskOverride(enabled=False)}
         for tasks in ({}, changes, {}):
-            proposals.write(ProposedSettings(tasks), clock.now(), clock.now())
+            proposals.write(LiveSettings.of(load_settings(), tasks=tasks), clock.now(), clock.now())
             for _ in range(10):
                 images.write(1, clock.now(), clock.now())
                 os.eventfd_write(wake, 1)

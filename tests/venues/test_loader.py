@@ -12,8 +12,17 @@ import pytest
 
 from vision_core.errors import SettingsError
 from vision_core.patterns.loader import load_pattern
-from vision_core.settings.schema import Settings
-from vision_core.venues.loader import RENAMED, config_folder, find_file, load_settings
+from vision_core.settings.layers import Layer, LayerKind
+from vision_core.settings.schema import MirrorConstants, Settings
+from vision_core.venues.loader import (
+    RENAMED,
+    config_folder,
+    find_file,
+    layers_of,
+    load_settings,
+    settings_from_layers,
+    with_overlay,
+)
 
 DEFAULT = tomllib.loads((config_folder() / "default.toml").read_text())
 
@@ -47,6 +56,7 @@ def test_the_default_file_teaches_every_key() -> None:
     loaded["camera"].pop("homography")  # the alternative to the pinhole stands there as a comment
     for team in ("blue", "yellow"):  # a team's own robots: a comment too
         loaded["robots"].pop(team)
+        loaded["mirror"].pop(team)
     for name, task in loaded["tasks"].items():  # of a task only its times stand there; the rest may be left out
         loaded["tasks"][name] = {key: value for key, value in task.items() if key in DEFAULT["tasks"][name]}
         assert {"priority", "period_ms", "budget_ms"} <= loaded["tasks"][name].keys()
@@ -82,6 +92,82 @@ def test_a_venue_chooses_its_field(tmp_path: Path) -> None:
     venue.write_text('field_preset = "ssl-division-b"\n[field]\nmargin_m = 0.2\n')
     field = load_settings(str(venue)).field
     assert (field.length_m, field.margin_m, field.walls) == (9.0, 0.2, False)
+
+
+def test_what_was_changed_on_the_page_stands_between_files_and_command_line(tmp_path: Path) -> None:
+    config = tmp_path / "config.toml"
+    config.write_text('[tracks]\ngate_m = 0.3\n[match]\nblue_defends = "right"\n')
+    layers = layers_of(config=config, options={"server.port": 9000})
+    config.unlink()  # from here on no file of the user's is read
+    changed = with_overlay(
+        layers, {"tracks.gate_m": 0.4, "server.port": 7000, "mirror.blue": {"a": 4, "b": 0.0126, "c": 9e4}}
+    )
+    settings = settings_from_layers(changed)
+    assert (settings.tracks.gate_m, settings.server.port, settings.match.blue_defends) == (0.4, 9000, "right")
+    assert settings.mirror.blue == MirrorConstants(a=4.0, b=0.0126, c=9e4)
+    assert [layer.kind for layer in changed[-3:]] == [LayerKind.CONFIG, LayerKind.PAGE, LayerKind.OPTIONS]
+    again = settings_from_layers(with_overlay(changed, {"tracks.gate_m": 0.5}))
+    assert (again.tracks.gate_m, again.mirror.blue) == (0.5, None), "an overlay replaces the one before"
+
+
+def test_the_page_may_choose_another_field(tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text("[field]\nmargin_m = 0.2\n")
+    layers = layers_of(str(venue))
+    venue.unlink()
+    chosen = with_overlay(layers, {"field_preset": "ssl-division-b"})
+    field = settings_from_layers(chosen).field
+    assert (field.length_m, field.margin_m) == (9.0, 0.2)
+    assert settings_from_layers(with_overlay(chosen, {})).field.length_m == 2.8, "the choice was taken back"
+
+
+@pytest.mark.parametrize(
+    ("overlay", "said"),
+    [
+        (
+            {"tracks.gate": 1.0},
+            r"^changes made on the page: tracks.gate; found: no setting of this name \(did you mean gate_m",
+        ),
+        ({"tracks.gate_m": "x"}, "^changes made on the page: tracks.gate_m; found: 'x'; accepted: a number"),
+        (
+            {"tracks": 1, "tracks.gate_m": 1.0},
+            "^changes made on the page: tracks.gate_m; found: a value for tracks as well",
+        ),
+        ({".".join("x" * 40): 1}, "^changes made on the page; found: a key of more than 16 parts"),
+        (
+            {"match.play_mode": "halftime"},
+            "match.play_mode; found: 'halftime'; accepted: before_kick_off, corner",
+        ),
+        (
+            {"mirror.yellow": {"a": 4.0, "b": -1.0, "c": 9e4}},
+            "page: mirror.yellow; found: A 4, B -1, .*; accepted: B >= 0",
+        ),
+        ({"mirror.yellow": {"a": 4.0}}, "page: mirror.yellow.b; found: nothing; accepted: a value"),
+        ({"admission.rules": [{"network": "laptop"}]}, "page: admission.rules; found: 'laptop' does not appear to be"),
+        (
+            {"admission.rules": [{"network": "::1", "team": "red"}]},
+            "page: admission.rules.0.team; found: 'red'; accepted: ",
+        ),
+        ({"admission.refused": ["10.0.0.1/8"]}, "page: admission.refused; found: 10.0.0.1/8 has host bits set"),
+        ({"field_preset": "moon"}, "field 'moon'; found: no such file"),
+    ],
+)
+def test_a_change_on_the_page_that_cannot_be_names_the_page(overlay: dict[str, Any], said: str) -> None:
+    layers = layers_of()
+    with pytest.raises(SettingsError, match=said):
+        settings_from_layers(with_overlay(layers, overlay))
+
+
+def test_a_mirror_that_does_not_reach_over_the_field_is_refused() -> None:
+    short = {"a": 40.187, "b": 0.125935, "c": 90000.0}
+    with pytest.raises(SettingsError, match="page: mirror.blue; found: only .* px between one metre and the diagonal"):
+        settings_from_layers(with_overlay(layers_of(), {"field_preset": "ssl-division-b", "mirror.blue": short}))
+
+
+def test_layers_survive_the_database() -> None:
+    layers = with_overlay(layers_of("demo-vsss"), {"match.blue_name": "Blues"})
+    kept = msgspec.msgpack.decode(msgspec.msgpack.encode(layers), type=tuple[Layer, ...])
+    assert settings_from_layers(kept) == settings_from_layers(layers)
 
 
 def test_a_palette_is_replaced_as_a_whole(tmp_path: Path) -> None:

@@ -1,13 +1,19 @@
 """Mirror and robots as the settings describe them."""
 
 from vision_core.models.mirror import Mirror
-from vision_core.settings.schema import RobotSettings, Settings, TeamRobotSettings
+from vision_core.settings.schema import MirrorSettings, RobotSettings, Settings, TeamRobotSettings
 from vision_core.types.objects import Team
 
 
 def mirror_from(settings: Settings) -> Mirror:
     """The field's mirror. Raises SettingsError when it is not allowed."""
     return Mirror(settings.mirror.a, settings.mirror.b, settings.mirror.c)
+
+
+def mirror_of(mirrors: MirrorSettings, team: Team) -> Mirror:
+    """A team's mirror: its own, or that of the field. Raises SettingsError when it is not allowed."""
+    constants = (mirrors.blue if team is Team.BLUE else mirrors.yellow) or mirrors
+    return Mirror(constants.a, constants.b, constants.c)
 
 
 def robots_of(robots: RobotSettings, team: Team) -> TeamRobotSettings:

@@ -9,19 +9,20 @@ from collections import deque
 from collections.abc import Iterable
 
 from vision_core.clock import MS_PER_S, NS_PER_MS, Instant, seconds_between
+from vision_core.models.mirror import Mirror
 from vision_core.net.delivery import UNKNOWN, mean_rank
+from vision_core.net.refusals import Refusals
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.session import Event, LagReported, RequestRefused
 from vision_core.rtdb.infos import LAGS, ClientInfo, Serving
+from vision_core.settings.schema import MirrorConstants
 from vision_core.timing.histogram import Histograms
 from vision_core.timing.running_rate import RunningRate
 from vision_core.types.tables import Table
 
 LAGS_KEPT = 300
 """Frames: ten seconds at 30 Hz."""
-REFUSALS_KEPT = 20
-REFUSAL_SHOWN_S = 30.0
 
 
 class DeliveryReport:
@@ -30,7 +31,7 @@ class DeliveryReport:
     def __init__(self) -> None:
         self._histograms = Histograms(LAGS)
         self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
-        self._refusals: deque[tuple[Instant, str]] = deque(maxlen=REFUSALS_KEPT)
+        self._refusals = Refusals()
         self._rates: dict[Session, RunningRate] = {}
 
     def note_frame(self, grabbed_at: Instant, summary: SendSummary) -> None:
@@ -43,8 +44,8 @@ class DeliveryReport:
         """Count the lags that clients reported, and keep what was refused."""
         for event in events:
             match event:
-                case RequestRefused(peer, error):
-                    self._refusals.append((now, f"{peer.host} port {peer.port}: {error.value}"))
+                case RequestRefused():
+                    self._refusals.note(event, now)
                 case LagReported(session, _, at) if session in server:
                     self._note_lags(server.delivery(session), at)
 
@@ -66,17 +67,18 @@ class DeliveryReport:
         clients = []
         for session in server.sessions:
             rate = self._rates[session] = previous.get(session) or RunningRate()
-            clients.append(_client_info(session, server.delivery(session), rate, now))
+            mirror = server.sessions.rules.mirror_of(session)
+            clients.append(_client_info(session, server.delivery(session), mirror, rate, now))
         lags_s = sorted(self._lags_s) or [0.0]
         return Serving(
             clients=tuple(sorted(clients, key=lambda client: (client.team, client.number))),
             lag_median_ms=statistics.median(lags_s) * MS_PER_S,
             lag_max_ms=lags_s[-1] * MS_PER_S,
-            refused=tuple(text for at, text in self._refusals if seconds_between(at, now) <= REFUSAL_SHOWN_S),
+            refused=self._refusals.recent(now),
         )
 
 
-def _client_info(session: Session, row: Table, rate: RunningRate, now: Instant) -> ClientInfo:
+def _client_info(session: Session, row: Table, mirror: Mirror, rate: RunningRate, now: Instant) -> ClientInfo:
     return ClientInfo(
         team=session.team,
         number=session.number,
@@ -89,6 +91,8 @@ def _client_info(session: Session, row: Table, rate: RunningRate, now: Instant) 
         mean_rank=mean_rank(row),
         network_ms=_ms(int(row["network_ns"])),
         client_ms=_ms(int(row["client_ns"])),
+        heard=session.heard,
+        mirror=MirrorConstants(a=mirror.a, b=mirror.b, c=mirror.c),
     )
 
 

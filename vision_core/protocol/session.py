@@ -6,7 +6,7 @@ closes the sockets of sessions, and sends the replies.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -125,6 +125,9 @@ class RequestRefused:
 
     peer: Peer
     error: ErrorCode
+    team: Team | None = None
+    """Of the robot that an init named."""
+    number: int | None = None
 
 
 Event: TypeAlias = Reply | SessionOpened | SessionMoved | SessionChanged | SessionClosed | LagReported | RequestRefused
@@ -142,9 +145,13 @@ class SessionRules:
     """A session ends when its client has sent nothing for so long."""
     diagonal_m: float
     """Of the field: a client's mirror must reach so far."""
-    mirror: Mirror
-    """Of the field: for clients that ask for no other."""
+    mirrors: Mapping[Team, Mirror]
+    """Of each team: for clients that ask for no other."""
     admission: Admission
+
+    def mirror_of(self, session: Session) -> Mirror:
+        """The mirror through which a session's robot sees."""
+        return session.init.options.mirror or self.mirrors[session.team]
 
 
 @dataclass(slots=True)
@@ -217,7 +224,7 @@ class Sessions:
     def not_opened(self, session: Session) -> list[Event]:
         """There is no socket for a session: end it and tell its client."""
         full = _error(ErrorCode.SERVER_FULL, session.nul, session.peer, Endpoint(Port.MAIN, session.local))
-        return [*self.close(session), full, RequestRefused(session.peer, ErrorCode.SERVER_FULL)]
+        return [*self.close(session), full, _refusal(ErrorCode.SERVER_FULL, session.peer, session.init)]
 
     def expire(self, now: Instant) -> list[Event]:
         """End the sessions whose client has sent nothing for the lease."""
@@ -258,12 +265,14 @@ class Sessions:
             self.counts.limited += 1
             return []
         request = decode_commands(datagram)
-        limiter = self._stranger_limiters.of(peer.host)
-        if request is None or not limiter.may_complain(ErrorCode.NOT_ADMITTED, now):
+        if request is None:
             return []
+        refusal = _refusal(ErrorCode.NOT_ADMITTED, peer, request.commands[0])
         reply = _error(ErrorCode.NOT_ADMITTED, request.nul, peer, endpoint)
-        replies = [reply] if len(reply.data) <= AMPLIFICATION * len(datagram) else []
-        return [*replies, RequestRefused(peer, ErrorCode.NOT_ADMITTED)]
+        limiter = self._stranger_limiters.of(peer.host)
+        too_long = len(reply.data) > AMPLIFICATION * len(datagram)
+        is_silent = too_long or not limiter.may_complain(ErrorCode.NOT_ADMITTED, now)
+        return [refusal] if is_silent else [reply, refusal]
 
     def _dispatch_all(
         self, request: Request, limiter: RateLimiter, peer: Peer, endpoint: Endpoint, now: Instant
@@ -277,7 +286,7 @@ class Sessions:
                 result = ErrorCode.RATE_LIMITED
             if isinstance(result, ErrorCode):
                 if result not in LIMITED_ERRORS or limiter.may_complain(result, now):
-                    events += [_error(result, request.nul, peer, endpoint), RequestRefused(peer, result)]
+                    events += [_error(result, request.nul, peer, endpoint), _refusal(result, peer, command)]
                 break
             events += result
         return events
@@ -300,8 +309,7 @@ class Sessions:
             case LagReport():
                 return [LagReported(session, command, now)]
             case MirrorQuery(team, number):
-                mirror = session.init.options.mirror or self.rules.mirror
-                return [_reply(MirrorReply(mirror, team, number), session)]
+                return [_reply(MirrorReply(self.rules.mirror_of(session), team, number), session)]
 
     def _addressed(self, command: Bye | LagReport | MirrorQuery, peer: Peer) -> Session | ErrorCode:
         """The session that a command is about: that of the robot it names, or the only one of the client's socket."""
@@ -389,6 +397,13 @@ def _reply(message: InitReply | MirrorReply | ErrorReply | WarningReply, session
     """A message to the client of a session."""
     endpoint = Endpoint(session.port, session.local)
     return Reply(encode(message) + (b"\0" if session.nul else b""), session.peer, endpoint, session)
+
+
+def _refusal(error: ErrorCode, peer: Peer, command: Command) -> RequestRefused:
+    """For the operator: what was refused, and for which robot."""
+    if isinstance(command, Init):
+        return RequestRefused(peer, error, command.team, command.number)
+    return RequestRefused(peer, error)
 
 
 def _error(code: ErrorCode, nul: bool, to: Peer, via: Endpoint) -> Reply:

@@ -1,12 +1,26 @@
 """The values of the service's records about itself."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+
+from msgspec.structs import replace
 
 from vision_core.clock import Instant
 from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.task import Task
-from vision_core.settings.schema import Settings, TaskTimes
+from vision_core.settings.layers import Layer
+from vision_core.settings.live import LIVE
+from vision_core.settings.schema import (
+    AdmissionSettings,
+    MatchSettings,
+    MirrorConstants,
+    MirrorSettings,
+    Settings,
+    TaskTimes,
+    TrackSettings,
+    ViewSettings,
+)
 from vision_core.types.objects import Team
 
 
@@ -21,6 +35,8 @@ class ServiceInfo:
     settings: Settings
     tasks: tuple[Task, ...]
     """The task table."""
+    layers: tuple[Layer, ...] = ()
+    """Where the settings come from, the lowest first, without the text of files: see ``venues.loader.with_overlay``."""
 
     def task(self, name: str) -> Task:
         """A task's line of the table. Raises KeyError for an unknown name."""
@@ -78,6 +94,26 @@ class ClientInfo:
     """The paper's lag B, as far as the client reports it."""
     client_ms: float | None
     """The paper's lag C."""
+    heard: Instant
+    """Its last datagram."""
+    mirror: MirrorConstants
+    """In effect: its own, that of its team, or that of the field."""
+
+
+@dataclass(frozen=True, slots=True)
+class RefusedRequest:
+    """Requests for the same robot that were refused for the same reason."""
+
+    address: str
+    port: int
+    team: Team | None
+    """None where the request named no robot."""
+    number: int | None
+    error: str
+    """A value of ``protocol.error_codes.ErrorCode``."""
+    first: Instant
+    last: Instant
+    count: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +124,10 @@ class Serving:
     lag_median_ms: float
     """From the grab to the last client's datagram, over the last 300 frames: the paper's lag A."""
     lag_max_ms: float
-    refused: tuple[str, ...]
+    refused: tuple[RefusedRequest, ...]
     """Recent requests that were refused, newest last."""
+    revision: int = 0
+    """Of the live settings in effect."""
 
 
 class RefusalKind(StrEnum):
@@ -179,11 +217,47 @@ class TaskOverride:
 
 
 @dataclass(frozen=True, slots=True)
-class ProposedSettings:
-    """All changes that hold now."""
+class EndedSession:
+    """The operator has ended the session of a robot, if it began before an instant."""
 
+    team: Team
+    number: int
+    since: Instant
+
+
+@dataclass(frozen=True, slots=True)
+class LiveSettings:
+    """The settings that hold from the next frame on, and what the operator has ended."""
+
+    revision: int
     tasks: dict[str, TaskOverride]
     """By the task's name."""
+    match: MatchSettings
+    mirror: MirrorSettings
+    tracks: TrackSettings
+    views: ViewSettings
+    admission: AdmissionSettings
+    ended: tuple[EndedSession, ...] = ()
+
+    @staticmethod
+    def of(settings: Settings, revision: int = 0, tasks: Mapping[str, TaskOverride] | None = None) -> "LiveSettings":
+        """The live part of settings."""
+        live = {name: getattr(settings, name) for name in LIVE}
+        return LiveSettings(revision, dict(tasks or {}), **live)
+
+    def over(self, settings: Settings) -> Settings:
+        """Settings in which the live part is this one; the times of tasks are the executive's affair."""
+        return replace(settings, **{name: getattr(self, name) for name in LIVE})
+
+
+@dataclass(frozen=True, slots=True)
+class RestartResult:
+    """What became of the newest request to start the service's processes again with the settings read anew."""
+
+    requests: int
+    """How many requests there were."""
+    refused: str
+    """Why the settings cannot work; empty when the service goes on with them."""
 
 
 @dataclass(frozen=True, slots=True)

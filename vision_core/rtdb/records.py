@@ -21,7 +21,9 @@
 | frames_done/<camera> | source | that this image is in its slot |
 | lags | serve | histograms of the lags of server, network and clients |
 | selftest | supervisor | how well this machine keeps time |
-| proposed_settings | web | overrides of tasks that hold while the service runs |
+| live_settings | web | the settings that hold from the next frame on |
+| restart_request | web | nothing: each writing asks for a restart of the service's processes |
+| restart_result | supervisor | what became of such requests |
 | task/<task> | each task | its times, policy and metrics |
 | timing/<task> | each task | its histograms |
 | heartbeat/<process> | each process | nothing: its age shows that the process is alive |
@@ -34,8 +36,9 @@ from vision_core.rtdb.infos import (
     TIMINGS,
     FrameDone,
     FrameRequest,
+    LiveSettings,
     Processes,
-    ProposedSettings,
+    RestartResult,
     SelfTest,
     ServiceInfo,
     Serving,
@@ -54,7 +57,7 @@ from vision_core.types.views import Views
 WATCHED_S = 2.0
 """Validity of the records of watchers: with the default settings each runs every 0.8 s or more often. The record of a
 watcher that is slowed further is invalid between two runs."""
-SERVICE = packed("service", ServiceInfo, 65536, 0.0)
+SERVICE = packed("service", ServiceInfo, 196608, 0.0)
 PROCESSES = Item(  # the supervisor is standard library only
     RecordSpec("processes", 16384, 3.0), msgspec.json.Encoder(), msgspec.json.Decoder(Processes)
 )
@@ -63,7 +66,11 @@ VIEWS: Item[Views] = tabled("views", ViewsTable, 0.25)
 SERVING = packed("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
 LAG_HISTOGRAMS = RecordSpec("lags", size_of(LAGS), 2.0)
-PROPOSED = packed("proposed_settings", ProposedSettings, 16384, 0.0)
+LIVE_SETTINGS = packed("live_settings", LiveSettings, 65536, 0.0)
+RESTART_REQUEST = RecordSpec("restart_request", 8, 0.0)
+RESTART_RESULT = Item(
+    RecordSpec("restart_result", 4096, 0.0), msgspec.json.Encoder(), msgspec.json.Decoder(RestartResult)
+)
 SELF_TEST = packed("selftest", SelfTest, 2048, 0.0)
 
 
@@ -92,7 +99,8 @@ CATALOG: tuple[AnyRecord, ...] = (
     WORLD,
     VIEWS,
     SERVING,
-    PROPOSED,
+    LIVE_SETTINGS,
+    RESTART_RESULT,
 )
 """Everything that a person may want to look at: ``vision_core.rtdb.catalog`` reads all of it at one instant. A record
 that is added here can be shown on the page."""

@@ -4,7 +4,7 @@ Theory of operation. A task is a function that is called once per release: when 
 written, or on an absolute grid of its period and offset. Every process of the service runs one task or a few of
 them, highest priority first, in one thread; the kernel's SCHED_FIFO does the rest: a task of higher priority preempts
 whatever runs. A release that has passed is skipped and counted, never caught up. Each task can be switched off,
-slowed and given another priority while it runs: the record ``proposed_settings`` has the overrides, ``task/<name>`` the
+slowed and given another priority while it runs: the record ``live_settings`` has the overrides, ``task/<name>`` the
 times in effect.
 
 Rules: whatever takes time (imports, compiled code, memory) happens before a process asks for real-time priority; every

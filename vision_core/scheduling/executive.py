@@ -59,7 +59,7 @@ class Executive:
         """started: each task's handle, and the step that its ``start`` returned."""
         self._attachment = attachment
         self._clock = MonotonicClock()
-        self._overrides = records.PROPOSED.reader(attachment.store)
+        self._overrides = records.LIVE_SETTINGS.reader(attachment.store)
         self._overrides_read = 0
         """Sequence number of the overrides that hold."""
         self._collected = self._clock.now()

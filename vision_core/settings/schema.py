@@ -21,6 +21,8 @@ Port = Annotated[int, Meta(ge=0, le=65535)]
 Degrees = Annotated[float, Meta(ge=-360.0, le=720.0)]
 Level = Annotated[float, Meta(ge=0.0, le=255.0)]
 HexColor = Annotated[str, Meta(pattern="^#[0-9a-fA-F]{6}$", description="#rrggbb")]
+HostName = Annotated[str, Meta(min_length=1, max_length=253)]
+Name = Annotated[str, Meta(max_length=40)]
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 
@@ -33,6 +35,10 @@ class ServerSettings(Record, frozen=True):
     port: Annotated[Port, Meta(description="TCP port of the web page")]
     udp_port: Annotated[Port, Meta(description="UDP port where clients send their init")]
     session_port: Annotated[Port, Meta(description="UDP port of all sessions; 0: udp_port + 1")]
+    viewers: Annotated[
+        Literal["open", "closed"], Meta(description="open: anybody may look at the page; closed: who has logged in")
+    ]
+    hosts: Annotated[tuple[HostName, ...], Meta(description="further names under which the page may be asked for")]
 
 
 class SourceSettings(Record, frozen=True):
@@ -126,12 +132,19 @@ class FieldSettings(Record, frozen=True):
     goal: GoalSettings
 
 
-class MirrorSettings(Record, frozen=True):
+class MirrorConstants(Record, frozen=True):
     """A, B, C of equation 1, for distances in millimetres."""
 
     a: float
     b: float
     c: float
+
+
+class MirrorSettings(MirrorConstants, frozen=True):
+    """The mirror of the field's robots, and that of a team which has its own."""
+
+    blue: MirrorConstants | None = None
+    yellow: MirrorConstants | None = None
 
 
 class ColorRange(Record, frozen=True):
@@ -295,15 +308,47 @@ class ProtocolSettings(Record, frozen=True):
     lease_s: Annotated[float, Meta(gt=0.0, description="a version-1 client silent for longer is dropped")]
 
 
+Network = Annotated[str, Meta(max_length=64, description="an address or a subnet, 192.168.1.0/24")]
+MAX_RULES = 256
+"""Most entries of each list of ``[admission]``: all of them are looked at for each datagram of a stranger."""
+
+
+class AdmissionRule(Record, frozen=True):
+    """Addresses that may connect, and for which robots: those of a team, or the one of a number; left out: all."""
+
+    network: Network
+    team: Literal["blue", "yellow"] | None = None
+    number: Annotated[int, Meta(ge=1, le=16)] | None = None
+
+
 class AdmissionSettings(Record, frozen=True):
     """Addresses that may connect, beside the server's own machine."""
 
-    subnets: Annotated[tuple[str, ...], Meta(description="addresses or subnets, 192.168.1.0/24")]
+    subnets: Annotated[tuple[Network, ...], Meta(max_length=MAX_RULES, description="may connect as every robot")]
+    rules: Annotated[tuple[AdmissionRule, ...], Meta(max_length=MAX_RULES, description="may connect as some robots")]
+    refused: Annotated[
+        tuple[Network, ...], Meta(max_length=MAX_RULES, description="may not connect, whatever the other lists say")
+    ]
+
+
+PlayMode = Literal[
+    "before_kick_off", "play_on", "kick_off_l", "kick_off_r", "kick_in_l", "kick_in_r", "free_kick_l", "free_kick_r",
+    "corner_kick_l", "corner_kick_r", "goal_kick_l", "goal_kick_r", "goal_l", "goal_r", "penalty_kick_l",
+    "penalty_kick_r", "drop_ball", "first_half_over", "pause", "time_over",
+]  # fmt: skip
+"""SoccerServer's words; l and r are the sides that the teams defend."""
 
 
 class MatchSettings(Record, frozen=True):
     """What a match fixes, the same for both teams."""
 
+    mode: Annotated[
+        Literal["practice", "match"], Meta(description="match: who only looks on sees everything viewer_delay_s late")
+    ]
+    play_mode: Annotated[PlayMode, Meta(description="SoccerServer's word, told to clients in the answer to init")]
+    viewer_delay_s: Annotated[float, Meta(ge=0.0, le=60.0, description="in a match, for viewers")]
+    blue_name: Annotated[Name, Meta(description="of the team in blue; empty: it is called blue")]
+    yellow_name: Name
     numbers: Annotated[int, Meta(ge=1, le=16, description="robots per team that may connect")]
     blue_defends: Annotated[Literal["left", "right"], Meta(description="left is the goal at negative x")]
     blue_ids: Annotated[tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of blue 1, 2, ...")]

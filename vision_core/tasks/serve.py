@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from vision_core.clock import Instant, seconds_between
 from vision_core.models.field import diagonal_m
-from vision_core.models.from_settings import mirror_from
+from vision_core.models.from_settings import mirror_of
 from vision_core.net.delivery_report import DeliveryReport
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.net.udp import adopted
@@ -24,6 +24,7 @@ from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, Release, StepResult
 from vision_core.tracks.tracker import Tracker
+from vision_core.types.objects import Team
 from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
 
 PUBLISH_EVERY_S = 0.5
@@ -138,7 +139,7 @@ def _restored_server(handle: Handle) -> UdpServer:
         numbers=settings.match.numbers,
         lease_s=settings.protocol.lease_s,
         diagonal_m=diagonal_m(settings.field),
-        mirror=mirror_from(settings),
+        mirrors={team: mirror_of(settings.mirror, team) for team in Team},
         admission=Admission.from_subnets(settings.admission.subnets),
     )
     main, session = (adopted(handle.attachment.resources.sockets[name]) for name in ("main", "session"))

@@ -24,7 +24,7 @@ from vision_core.rtdb.task import DRIVER, NONE, PERIOD, Task
 from vision_core.scheduling.checks import TableProblem, problems
 from vision_core.settings.schema import Settings, TaskSettings
 
-GIVEN = ("service", "processes", "selftest")
+GIVEN = ("service", "processes", "selftest", "restart_result")
 """Records that no task writes, but the supervisor or a process that runs once."""
 COMPILER = "compile"
 """Process that compiles the kernels once, before the tasks start."""
@@ -39,7 +39,7 @@ MAX_VALID_HZ = 12.0
 """A record of a user's own is valid for VALID_PERIODS of its task, at this rate at most: a quarter of a second."""
 ONCE_A_SECOND = TaskSettings(priority=0, period_ms=1000.0, budget_ms=0.0)
 """Times of a watcher that ``[tasks]`` does not have: it needs no real time."""
-ALWAYS_READ = ("service", "proposed_settings")
+ALWAYS_READ = ("service", "live_settings")
 """Records that every task may read."""
 
 
@@ -112,9 +112,15 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
     watched = [record for task in watchers for record in task.writes]
     shown = [frames, source, sightings, obstacles, *watched, diagnosis]
-    shown += ["processes", "selftest", "world", "views", "serving", "lags"]
+    shown += ["processes", "selftest", "restart_result", "world", "views", "serving", "lags"]
     yield line(
-        "web", NONE, shown, ["proposed_settings"], sockets=("http",), needs_kernels=False, purpose="shows this page"
+        "web",
+        NONE,
+        shown,
+        ["live_settings", "restart_request"],
+        sockets=("http",),
+        needs_kernels=False,
+        purpose="shows this page",
     )
 
 
@@ -169,6 +175,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
         *(kind(camera.name).spec for kind in records.HANDSHAKE),
         records.SESSIONS,
         records.LAG_HISTOGRAMS,
+        records.RESTART_REQUEST,
         records.frames(camera.name, *camera.size_px),
         *(records.task(task.name).spec for task in tasks),
         *(records.timing(task.name) for task in tasks),

@@ -1,4 +1,7 @@
-"""Loads settings: default.toml < field preset < pattern < venue < --config < options. The only loader.
+"""Loads settings: default.toml < field preset < pattern < venue < --config < page < options. The only loader.
+
+``layers_of`` reads the files; ``with_overlay`` puts what was changed on the page over layers that were read before.
+``settings_from_layers`` merges and checks either.
 
 Tables are merged key by key; lists, ``colors.classes`` and ``colors.samples`` are replaced as a whole, since colors are
 tuned against each other. A class that a file defines by samples replaces one of the same name by ranges in the files
@@ -9,13 +12,11 @@ and the path of ``file:PATH``, is a path relative to the file that it stands in 
 folder); any other name is a shipped file of ``config/``.
 """
 
-import difflib
 import logging
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,22 +24,40 @@ from typing import Any
 import msgspec
 
 from vision_core.errors import SettingsError
-from vision_core.settings.schema import ColorRange, HexColor, Settings, TaskSettings
+from vision_core.settings.layers import Layer, LayerKind, Table
+from vision_core.settings.schema import Settings
 from vision_core.user_files import read_text
+from vision_core.venues.explanation import explained
 from vision_core.venues.rules import check_settings
+from vision_core.venues.tables import (
+    MAX_DEPTH,
+    depth,
+    lookup,
+    merged,
+    nested,
+    numbers,
+    place,
+    place_of,
+    with_one_palette,
+)
 from vision_core.venues.toml_lines import line_of
 
-Table = dict[str, Any]
-KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object": "a table", "array": "a list"}
-"""Types in msgspec's messages, in words."""
-DICTS = {
-    "colors.classes": tuple[ColorRange, ...],
-    "colors.samples": tuple[HexColor, ...],
-    "tasks": TaskSettings,
-}
-"""Settings whose keys are names of the user's choice, with the type of their values."""
-REPLACED = frozenset({"colors.classes", "colors.samples"})
-"""Tables that an upper layer replaces as a whole."""
+__all__ = [
+    "PAGE",
+    "Layer",
+    "config_folder",
+    "find_file",
+    "layers_of",
+    "load_settings",
+    "place_of",
+    "read_layer",
+    "settings_from_layers",
+    "with_overlay",
+]
+
+PAGE = "changes made on the page"
+"""What messages call that layer."""
+OPTIONS = "command line or environment"
 RENAMED = {
     "robots.beyond_m": "robots.margin_m",
     "colors.light.beyond_m": "colors.light.margin_m",
@@ -51,23 +70,10 @@ FILE_NAMES = ("field_preset", "robots.pattern", "robots.blue.pattern", "robots.y
 """Settings whose value may be a path of a .toml file."""
 MAX_FILE_BYTES = 256 * 1024
 """Largest settings file: fifteen times default.toml."""
-MAX_DEPTH = 16
-"""Most tables within each other, and most parts of a dotted key."""
 LONG_KEY = re.compile(rf"(?<![\w.\"'-])(?:[\w\"'-]++\s*+\.\s*+){{{MAX_DEPTH}}}")
 """A dotted key of more parts than that; tomllib's time grows with the square of their number."""
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, slots=True)
-class Layer:
-    """One source of values."""
-
-    name: str
-    """What messages call it: a path, or "command line or environment"."""
-    table: Table
-    text: str = ""
-    """Content of the file; empty for a layer that is no file."""
 
 
 @cache
@@ -89,32 +95,51 @@ def load_settings(
     return settings_from_layers(layers_of(venue, config, options))
 
 
-def place_of(key: str, layers: list[Layer]) -> str:
-    """The file and line that set a key, or the name of the layer that is no file."""
-    return _place(key.split("."), layers)
-
-
-def _place(keys: list[str], layers: list[Layer]) -> str:
-    layer = _culprit(keys, layers)
-    line = line_of(layer.text, keys)
-    return layer.name if line is None else f"{layer.name}, line {line}"
-
-
 def layers_of(
     venue: str | None = None, config: Path | None = None, options: Mapping[str, Any] | None = None
 ) -> list[Layer]:
     """All sources of values, the lowest first; as ``load_settings``. Raises SettingsError when one cannot be read."""
     upper = []
     if venue is not None:
-        upper.append(read_layer(find_file("venues", venue)))
+        upper.append(read_layer(find_file("venues", venue), LayerKind.VENUE))
     if config is not None:
-        upper.append(read_layer(config))
-    upper.append(Layer("command line or environment", _nested(options or {})))
-    lowest = read_layer(config_folder() / "default.toml")
+        upper.append(read_layer(config, LayerKind.CONFIG))
+    upper.append(Layer(OPTIONS, nested(options or {}), kind=LayerKind.OPTIONS))
+    return _over_shipped(upper)
+
+
+def with_overlay(layers: Sequence[Layer], overlay: Mapping[str, Any]) -> list[Layer]:
+    """Layers of ``layers_of`` with what was changed on the page between the files and the command line.
+
+    overlay: dotted keys, in place of an earlier overlay of these layers. Files are read only when it names another
+    field or pattern. Raises SettingsError when one of them cannot be read, or the keys cannot be settings.
+    """
+    table = nested(overlay, PAGE)
+    if depth(table) > MAX_DEPTH:
+        raise SettingsError(PAGE, found=f"tables in more than {MAX_DEPTH} others", accepted="values of settings")
+    page = Layer(PAGE, table, kind=LayerKind.PAGE)
+    _rename(page)
+    names_files = _names_files(page) or any(_names_files(layer) for layer in layers if layer.kind is LayerKind.PAGE)
+    _make_absolute(table, Path.cwd())
+    *below, options = (layer for layer in layers if layer.kind is not LayerKind.PAGE)
+    if not names_files:
+        return [*below, page, options]
+    own = [layer for layer in below if layer.kind in (LayerKind.VENUE, LayerKind.CONFIG)]
+    return _over_shipped([*own, page, options])
+
+
+def _names_files(layer: Layer) -> bool:
+    return any(lookup(layer.table, key.split("."))[0] for key in FILE_NAMES)
+
+
+def _over_shipped(upper: Iterable[Layer]) -> list[Layer]:
+    """Layers over the defaults, the field and the patterns that they choose."""
+    upper = list(upper)
+    lowest = read_layer(config_folder() / "default.toml", LayerKind.DEFAULT)
     preset = lowest.table["field_preset"]
     for layer in upper:
         preset = layer.table.get("field_preset", preset)
-    field = read_layer(find_file("fields", str(preset)))
+    field = read_layer(find_file("fields", str(preset)), LayerKind.FIELD)
     robots = {key: value for layer in (lowest, *upper) for key, value in _robots(layer).items()}
     return [lowest, field, *_pattern_layers(robots), *upper]
 
@@ -130,26 +155,27 @@ def _pattern_layers(robots: Table) -> list[Layer]:
     for path, table in (((), robots), *(((team,), robots.get(team)) for team in ("blue", "yellow"))):
         if isinstance(table, dict) and isinstance(name := table.get("pattern"), str):
             pattern = read_layer(find_file("patterns", name))
-            layers.append(Layer(pattern.name, _nested({".".join(("robots", *path)): pattern.table.get("robot", {})})))
+            body = nested({".".join(("robots", *path)): pattern.table.get("robot", {})})
+            layers.append(Layer(pattern.name, body, kind=LayerKind.PATTERN))
     return layers
 
 
-def settings_from_layers(layers: list[Layer], *, complete_palette: bool = True) -> Settings:
+def settings_from_layers(layers: Sequence[Layer], *, complete_palette: bool = True) -> Settings:
     """Merge layers, later wins, and check the result.
 
     complete_palette: the colors of the ball must have classes; False for commands that help to make a palette.
     Raises SettingsError naming file, line and key.
     """
-    merged: Table = {}
+    whole: Table = {}
     for layer in layers:
-        merged = _with_one_palette(_merged(merged, layer.table), layer.table)
-    for keys, number in _numbers(merged, []):
+        whole = with_one_palette(merged(whole, layer.table), layer.table)
+    for keys, number in numbers(whole, []):
         if not math.isfinite(number):
-            raise SettingsError(f"{_place(keys, layers)}: {'.'.join(keys)}", found=str(number), accepted="a number")
+            raise SettingsError(f"{place(keys, layers)}: {'.'.join(keys)}", found=str(number), accepted="a number")
     try:
-        settings = msgspec.convert(merged, Settings)
+        settings = msgspec.convert(whole, Settings)
     except msgspec.ValidationError as error:
-        raise _explained(str(error), merged, layers) from None
+        raise explained(str(error), whole, layers) from None
     check_settings(settings, lambda key: place_of(key, layers), complete_palette=complete_palette)
     return settings
 
@@ -168,7 +194,7 @@ def find_file(kind: str, name: str) -> Path:
     )
 
 
-def read_layer(path: Path) -> Layer:
+def read_layer(path: Path, kind: LayerKind = LayerKind.CONFIG) -> Layer:
     """One TOML file, with keys by their present names and files by absolute paths. Raises SettingsError."""
     asked = f"configuration file {path}"
     text = read_text(path, asked, SettingsError, max_bytes=MAX_FILE_BYTES)
@@ -178,9 +204,9 @@ def read_layer(path: Path) -> Layer:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # no TOML; brackets without end
         raise SettingsError(asked, found=str(error), accepted="TOML") from None
-    if _depth(table) > MAX_DEPTH:
+    if depth(table) > MAX_DEPTH:
         raise SettingsError(asked, found=f"tables in more than {MAX_DEPTH} others", accepted="keys of this file's kind")
-    layer = Layer(str(path), table, text)
+    layer = Layer(str(path), table, text, kind)
     _rename(layer)
     _make_absolute(table, path.absolute().parent)
     return layer
@@ -190,10 +216,11 @@ def _rename(layer: Layer) -> None:
     """Give values of a layer that stand under a former key their present one, and log that."""
     for old, new in RENAMED.items():
         *parents, last = old.split(".")
-        is_there, table = _lookup(layer.table, parents)
+        is_there, table = lookup(layer.table, parents)
         if not is_there or not isinstance(table, dict) or last not in table:
             continue
-        where = f"{layer.name}, line {line_of(layer.text, [*parents, last])}"
+        line = line_of(layer.text, [*parents, last])
+        where = layer.name if line is None else f"{layer.name}, line {line}"
         present = new.rpartition(".")[2]
         if present in table:
             raise SettingsError(f"{where}: {old}", found=f"{new} as well, its present name", accepted="one of them")
@@ -205,165 +232,9 @@ def _make_absolute(table: Table, folder: Path) -> None:
     """Make relative names of files absolute, from the folder of the file that they stand in."""
     for key in FILE_NAMES:
         *parents, last = key.split(".")
-        _, parent = _lookup(table, parents)
+        _, parent = lookup(table, parents)
         if isinstance(parent, dict) and isinstance(name := parent.get(last), str) and name.endswith(".toml"):
             parent[last] = str(folder / name)
-    _, source = _lookup(table, ["source"])
+    _, source = lookup(table, ["source"])
     if isinstance(source, dict) and re.match("file:.", uri := str(source.get("uri", ""))):
         source["uri"] = f"file:{folder / uri.removeprefix('file:')}"
-
-
-def _with_one_palette(merged: Table, above: Table) -> Table:
-    """Merged tables in which no color class of the layer merged last has its old definition of the other kind too."""
-    colors, new = merged.get("colors"), above.get("colors")
-    if not isinstance(colors, dict) or not isinstance(new, dict):
-        return merged
-    colors = dict(colors)
-    for kind, other in (("samples", "classes"), ("classes", "samples")):
-        named, old = new.get(kind), colors.get(other)
-        if isinstance(named, dict) and isinstance(old, dict) and other not in new:
-            colors[other] = {name: value for name, value in old.items() if name not in named}
-    return {**merged, "colors": colors}
-
-
-def _depth(table: Any) -> int:
-    """How many tables and lists lie within each other at most."""
-    depth, level = 0, [table]
-    while level:
-        depth += 1
-        inner = [list(node.values()) if isinstance(node, dict) else node for node in level]
-        level = [item for items in inner for item in items if isinstance(item, (dict, list))]
-    return depth
-
-
-def _nested(options: Mapping[str, Any]) -> Table:
-    nested: Table = {}
-    for key, value in options.items():
-        if value is None:
-            continue
-        *parents, last = key.split(".")
-        table = nested
-        for parent in parents:
-            table = table.setdefault(parent, {})
-        table[last] = value
-    return nested
-
-
-def _merged(below: Table, above: Table, path: str = "") -> Table:
-    result = dict(below)
-    for key, value in above.items():
-        here = f"{path}.{key}" if path else key
-        old = result.get(key)
-        if isinstance(old, dict) and isinstance(value, dict) and here not in REPLACED:
-            result[key] = _merged(old, value, here)
-        else:
-            result[key] = value
-    return result
-
-
-def _numbers(node: Any, keys: list[str]) -> Iterator[tuple[list[str], float]]:
-    """Every float of a table, with its keys."""
-    if isinstance(node, dict):
-        for key, value in node.items():
-            yield from _numbers(value, [*keys, key])
-    elif isinstance(node, list):
-        for index, value in enumerate(node):
-            yield from _numbers(value, [*keys, str(index)])
-    elif isinstance(node, float):
-        yield keys, node
-
-
-def _lookup(table: Any, keys: list[str]) -> tuple[bool, Any]:
-    """Is there a value at a path, and which?"""
-    for key in keys:
-        if isinstance(table, dict) and key in table:
-            table = table[key]
-        elif isinstance(table, list) and key.isdigit() and int(key) < len(table):
-            table = table[int(key)]
-        else:
-            return False, None
-    return True, table
-
-
-def _culprit(keys: list[str], layers: list[Layer]) -> Layer:
-    """The uppermost layer that sets a key, or else the nearest of its parents."""
-    for depth in range(len(keys), 0, -1):
-        for layer in reversed(layers):
-            if _lookup(layer.table, keys[:depth])[0]:
-                return layer
-    return layers[-1]
-
-
-def _explained(message: str, merged: Table, layers: list[Layer]) -> SettingsError:
-    """msgspec's message as ours: with the file, the key, the value and the nearest known keys."""
-    text, _, where = message.partition(" - at ")
-    keys = re.findall(r"[A-Za-z_][A-Za-z0-9_-]*|\d+|\.\.\.", where)
-    if "..." in keys:  # msgspec does not name the key of a dict: find the entry that fails by itself
-        keys[keys.index("...")] = _bad_entry(merged, keys[: keys.index("...")])
-    if unknown := re.search(r"unknown field `(.*)`", text):
-        bad = unknown.group(1)
-        known = _known_keys(keys)
-        close = difflib.get_close_matches(bad, known, n=1)
-        hint = f" (did you mean {close[0]}?)" if close else ""
-        name = ".".join([*keys, bad])
-        return SettingsError(
-            f"{_place([*keys, bad], layers)}: {name}",
-            found=f"no setting of this name{hint}",
-            accepted=", ".join(known),
-        )
-    if missing := re.search(r"missing required field `(.*)`", text):
-        keys = [*keys, missing.group(1)]
-        return SettingsError(f"{_place(keys, layers)}: {'.'.join(keys)}", found="nothing", accepted="a value")
-    is_there, value = _lookup(merged, keys)
-    return SettingsError(
-        f"{_place(keys, layers)}: {'.'.join(keys)}",
-        found=repr(value) if is_there else "",
-        accepted=_accepted(text, keys),
-    )
-
-
-def _accepted(text: str, keys: list[str]) -> str:
-    """The value that msgspec expected, in words."""
-    if choices := _schema_node(keys).get("enum"):
-        return ", ".join(choices)
-    wanted = text.removeprefix("Expected ").partition(", got")[0].replace("`", "")
-    for kind, words in KINDS.items():
-        wanted = re.sub(rf"\b{kind}\b", words, wanted)
-    return wanted
-
-
-def _bad_entry(merged: Table, keys: list[str]) -> str:
-    """Name of the first wrong entry of one of the dicts in the settings."""
-    for name, entry in _lookup(merged, keys)[1].items():
-        try:
-            msgspec.convert(entry, DICTS[".".join(keys)])
-        except msgspec.ValidationError:
-            return str(name)
-    return "?"
-
-
-def _known_keys(keys: list[str]) -> list[str]:
-    """Names of the keys of the struct at a path."""
-    return sorted(_schema_node(keys).get("properties", {}))
-
-
-def _schema_node(keys: list[str]) -> dict[str, Any]:
-    """The node of the settings' JSON schema at a path."""
-    schema = msgspec.json.schema(Settings)
-    definitions = schema["$defs"]
-
-    def resolved(node: Any) -> Any:
-        for option in node.get("anyOf", [node]):
-            if "$ref" in option:
-                return definitions[option["$ref"].rsplit("/", 1)[1]]
-        return node
-
-    node = resolved(schema)
-    for key in keys:
-        if "properties" in node and key in node["properties"]:
-            node = resolved(node["properties"][key])
-        elif "items" in node:
-            node = resolved(node["items"])
-        elif "additionalProperties" in node:
-            node = resolved(node["additionalProperties"])
-    return dict(node)

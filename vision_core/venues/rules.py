@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 
 from vision_core.errors import SettingsError
 from vision_core.models.field import diagonal_m
-from vision_core.models.from_settings import mirror_from
-from vision_core.models.mirror import check_span
+from vision_core.models.mirror import Mirror, check_span
 from vision_core.settings.schema import ColorRange, Settings
 from vision_core.types.edges import letter_faults
 from vision_core.venues.camera_rules import camera_violations
@@ -100,10 +99,13 @@ def _match(settings: Settings) -> Iterator[Violation]:
 
 
 def _mirror(settings: Settings) -> Iterator[Violation]:
-    try:
-        check_span(mirror_from(settings), diagonal_m(settings.field))
-    except SettingsError as error:
-        yield Violation("mirror", error.found, error.accepted)
+    mirrors = settings.mirror
+    for key, constants in (("mirror", mirrors), ("mirror.blue", mirrors.blue), ("mirror.yellow", mirrors.yellow)):
+        try:
+            if constants is not None:
+                check_span(Mirror(constants.a, constants.b, constants.c), diagonal_m(settings.field))
+        except SettingsError as error:
+            yield Violation(key, error.found, error.accepted)
 
 
 def _tasks(settings: Settings) -> Iterator[Violation]:
@@ -115,9 +117,11 @@ def _tasks(settings: Settings) -> Iterator[Violation]:
 
 
 def _admission(settings: Settings) -> Iterator[Violation]:
-    for subnet in settings.admission.subnets:
-        try:
-            ipaddress.ip_network(subnet)
-        except ValueError as error:
-            accepted = "an address or a subnet, 192.168.1.0/24"
-            yield Violation("admission.subnets", str(error), accepted)
+    admission = settings.admission
+    named = {"subnets": admission.subnets, "rules": [r.network for r in admission.rules], "refused": admission.refused}
+    for key, networks in named.items():
+        for network in networks:
+            try:
+                ipaddress.ip_network(network)
+            except ValueError as error:
+                yield Violation(f"admission.{key}", str(error), "an address or a subnet, 192.168.1.0/24")

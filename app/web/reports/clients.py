@@ -10,6 +10,14 @@ from vision_core.rtdb import records
 from vision_core.types.objects import Team
 
 
+class MirrorReport(Report):
+    """A, B, C of equation 1, for distances in millimetres."""
+
+    a: float
+    b: float
+    c: float
+
+
 class ClientReport(Report):
     """The session of one robot program."""
 
@@ -31,6 +39,27 @@ class ClientReport(Report):
     """Lag B, from the server to the client [ms], as the client last reported it; null: it reports none."""
     client_ms: float | None
     """Lag C, until the client's program has used a view [ms], as it last reported it; null: it reports none."""
+    heard_s: float
+    """Time since its last datagram [s]."""
+    mirror: MirrorReport
+    """In effect: that which it asked for, or that of its team."""
+
+
+class RefusedReport(Report):
+    """Requests for the same robot that were refused for the same reason."""
+
+    address: str
+    port: int
+    team: Team | None
+    """null: the request named no robot."""
+    number: int | None
+    error: str
+    """The word that the protocol has for the reason: not_admitted, already_connected, ..."""
+    first_s: float
+    """Time since the first of these requests [s]."""
+    last_s: float
+    """Time since the newest of them [s]."""
+    count: int
 
 
 class LagSummary(Report):
@@ -69,8 +98,28 @@ def clients_from(snapshot: ServiceSnapshot) -> list[ClientReport]:
             mean_rank=client.mean_rank,
             network_ms=client.network_ms,
             client_ms=client.client_ms,
+            heard_s=seconds_between(client.heard, snapshot.now),
+            mirror=MirrorReport(a=client.mirror.a, b=client.mirror.b, c=client.mirror.c),
         )
         for client in (serving.value.clients if serving else ())
+    ]
+
+
+def refused_from(snapshot: ServiceSnapshot) -> list[RefusedReport]:
+    """Recent requests that were refused, newest last; those of addresses that are not admitted stay for ten minutes."""
+    serving = snapshot.recent(records.SERVING)
+    return [
+        RefusedReport(
+            address=refused.address,
+            port=refused.port,
+            team=refused.team,
+            number=refused.number,
+            error=refused.error,
+            first_s=seconds_between(refused.first, snapshot.now),
+            last_s=seconds_between(refused.last, snapshot.now),
+            count=refused.count,
+        )
+        for refused in (serving.value.refused if serving else ())
     ]
 
 

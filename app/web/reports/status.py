@@ -4,12 +4,11 @@ from app.web.blackboard import ServiceSnapshot
 from app.web.health.monitor import Health, HealthState
 from app.web.reports.base import Report
 from app.web.reports.camera import CameraReport, camera_from
-from app.web.reports.clients import ClientReport, Lags, clients_from, lags_from
+from app.web.reports.clients import ClientReport, Lags, RefusedReport, clients_from, lags_from, refused_from
 from app.web.reports.machine import MachineReport, machine_from
 from app.web.reports.processes import ProcessReport, processes_from
 from app.web.reports.source import SourceReport, source_from
 from vision_core.clock import seconds_between
-from vision_core.rtdb import records
 
 
 class Alarm(Report):
@@ -47,8 +46,8 @@ class Status(Report):
     clients: list[ClientReport]
     """Robot programs that are connected."""
     lags: Lags
-    refused: list[str]
-    """Requests of clients that were refused in the last half minute, newest last."""
+    refused: list[RefusedReport]
+    """Recent requests of clients that were refused, newest last."""
     selftest: MachineReport | None
     """null where no self-test was made."""
     processes: list[ProcessReport]
@@ -56,7 +55,7 @@ class Status(Report):
 
 def status_from(snapshot: ServiceSnapshot, health: Health) -> Status:
     """The status of a snapshot and its health."""
-    service, serving = snapshot.service, snapshot.recent(records.SERVING)
+    service = snapshot.service
     return Status(
         version=service.version,
         state=health.state,
@@ -71,7 +70,7 @@ def status_from(snapshot: ServiceSnapshot, health: Health) -> Status:
         cameras=[camera_from(snapshot)],
         clients=clients_from(snapshot),
         lags=lags_from(snapshot),
-        refused=list(serving.value.refused) if serving else [],
+        refused=refused_from(snapshot),
         selftest=machine_from(snapshot),
         processes=processes_from(snapshot),
     )

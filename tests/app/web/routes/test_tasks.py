@@ -9,7 +9,7 @@ from app.web.problems import MEDIA_TYPE
 from tests.app.fake_service import FakeService, PageServer, Scene, wait_for
 from tests.app.fake_tasks import Condition
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import ProposedSettings, TaskOverride
+from vision_core.rtdb.infos import LiveSettings, TaskOverride
 
 NOTHING = {"enabled": None, "period_ms": None, "priority": None}
 TASKS = "/api/v1/tasks"
@@ -42,7 +42,7 @@ def http(server: PageServer) -> Iterator[httpx.Client]:
 
 def proposed(service: FakeService) -> dict[str, TaskOverride]:
     """What the service's processes read."""
-    return records.PROPOSED.reader(service.store).value(service.clock.now()).tasks
+    return records.LIVE_SETTINGS.reader(service.store).value(service.clock.now()).tasks
 
 
 def task_of(http: httpx.Client, name: str) -> dict[str, object]:
@@ -104,7 +104,7 @@ def test_null_and_delete_are_the_tables_value(http: httpx.Client, service: FakeS
 
 
 def test_nothing_is_written_when_nothing_changes(http: httpx.Client, service: FakeService) -> None:
-    reader = records.PROPOSED.reader(service.store)
+    reader = records.LIVE_SETTINGS.reader(service.store)
     http.patch(f"{TASKS}/lines", json={"period_ms": 500})
     sequence = reader.sequence
     assert http.patch(f"{TASKS}/lines", json={}).status_code == 200
@@ -205,7 +205,7 @@ def test_changes_come_as_json_and_in_few_words(http: httpx.Client) -> None:
 
 def test_what_the_record_holds_at_the_start_is_kept() -> None:
     own = FakeService()
-    own.put(records.PROPOSED, ProposedSettings({"serve": TaskOverride(priority=30)}))
+    own.put(records.LIVE_SETTINGS, LiveSettings.of(own.settings, tasks={"serve": TaskOverride(priority=30)}))
     server = PageServer(own)
     server.start()
     with httpx.Client(base_url=f"http://{server.address}") as client:

@@ -1,0 +1,14 @@
+"""Which settings a running service applies between two frames. Every other one needs a restart."""
+
+LIVE = ("match", "mirror", "tracks", "views", "admission")
+"""Sections of which every setting is live."""
+LIVE_OF_TASKS = ("enabled", "period_ms", "priority")
+"""Settings of each task that are live."""
+
+
+def is_live(key: str) -> bool:
+    """Does a change of a setting hold from the next frame on? key: dotted, "match.blue_defends"."""
+    section, *rest = key.split(".")
+    if section == "tasks":
+        return len(rest) == 2 and rest[1] in LIVE_OF_TASKS
+    return section in LIVE
