@@ -5,6 +5,7 @@ import os
 import sys
 import webbrowser
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -40,8 +41,15 @@ def serve(
         int | None,
         typer.Option(envvar="PSLV_SESSION_PORT", help="UDP port of the sessions; without it, --udp-port + 1."),
     ] = None,
+    database: Annotated[
+        Path | None,
+        typer.Option(
+            envvar="PSLV_DATABASE", help="Folder of what is changed on the page; without it, the data folder."
+        ),
+    ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
+    from app.launch.kept_changes import database_folder, scope_of, with_kept_changes
     from vision_core.tasks.table import check_table
     from vision_core.venues.loader import layers_of, place_of, settings_from_layers
 
@@ -53,13 +61,18 @@ def serve(
         "server.udp_port": udp_port,
         "server.session_port": session_port,
     }
-    layers = layers_of(venue, config, options)
+    folder, notice = database_folder(database)
+    scope = scope_of(venue, config)
+    document = folder / f"venue-{scope}.db"
+    if notice:
+        print_line(notice)
+    layers = with_kept_changes(document, layers_of(venue, config, options), print_line)
     settings = settings_from_layers(layers)
     check_table(settings, lambda key: place_of(key, layers))
-    sys.exit(_run(settings, layers))
+    sys.exit(_run(settings, layers, document, scope))
 
 
-def _run(settings: "Settings", layers: "Sequence[Layer]") -> int:
+def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope: str) -> int:
     """Run the service until it is stopped. Returns its exit status."""
     from app.launch.plan import plan_service, prepare_kernel_folder
     from app.launch.preflight import preflight
@@ -73,7 +86,7 @@ def _run(settings: "Settings", layers: "Sequence[Layer]") -> int:
     with contextlib.ExitStack() as held:
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
-        plan, info = plan_service(settings, __version__, layers)
+        plan, info = plan_service(settings, __version__, layers, document, scope)
         machine = preflight(settings, print_line)
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
         print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")

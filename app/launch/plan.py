@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import msgspec
 
@@ -41,8 +42,12 @@ ROOM_FOR_ADDRESSES = 1024
 """Left in the service's record beside the settings [bytes]."""
 
 
-def plan_service(settings: Settings, version: str, layers: Sequence[Layer] = ()) -> tuple[ServicePlan, ServiceInfo]:
+def plan_service(
+    settings: Settings, version: str, layers: Sequence[Layer], document: Path, venue: str
+) -> tuple[ServicePlan, ServiceInfo]:
     """Open the sockets and lay out everything else. layers: where the settings come from.
+
+    document: the file of what is changed on the page; venue: whose settings these are.
 
     Raises ServiceError, with nothing left open.
     """
@@ -72,6 +77,8 @@ def plan_service(settings: Settings, version: str, layers: Sequence[Layer] = ())
         settings=settings,
         tasks=tasks,
         layers=values,
+        database=str(document),
+        venue=venue,
     )
     plan = ServicePlan(
         children=children,

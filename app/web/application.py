@@ -8,31 +8,41 @@ page is open.
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 from fastapi import FastAPI, WebSocket
 
+from app.web.auth.team_keys import TeamKeys
 from app.web.blackboard import Blackboard
+from app.web.configuration.configuration import Configuration
+from app.web.configuration.housekeeping import keep_house
+from app.web.configuration.task_changes import TaskChanges
 from app.web.health.log import watch_health
 from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import POLICY_VIOLATION, Live
 from app.web.middleware.local_only import LocalChangesOnly
 from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
-from app.web.overrides import TaskOverrides
 from app.web.problems import install_problems
+from app.web.restart import RestartRequests
 from app.web.routes.api import api_routes
+from app.web.routes.clients import client_routes
 from app.web.routes.health import health_routes
+from app.web.routes.match import match_routes
 from app.web.routes.pages import page_routes, static_files
+from app.web.routes.settings import settings_routes
 from app.web.routes.tasks import task_routes
+from app.web.routes.teams import team_routes
 from app.web.routes.timing import timing_routes
 from app.web.routes.view3d import view3d_routes
+from app.web.storage.document import Document
 from app.web.view3d.view import View3D
 from vision_core.rtdb.store import Store
 from vision_core.scheduling.metrics import TaskMetrics
 
 DESCRIPTION = """What every robot on the field would see, from one ceiling camera.
 
-Robots use UDP; this API is for people and tools. The only thing that it changes is how tasks run.
+Robots use UDP; this API is for people and tools. Everybody may read; changes need the operator.
 
 The page uses the WebSocket `/live`: each message that a client sends, whatever its content, is answered by the newest
 picture (binary) and the newest state (JSON). `/live?topics=timing` selects topics: picture, timing, state."""
@@ -41,7 +51,9 @@ picture (binary) and the newest state (JSON). `/live?topics=timing` selects topi
 def create_app(store: Store) -> FastAPI:
     """The application for one database. Raises LookupError when the supervisor has not written its first record."""
     blackboard = Blackboard(store)
-    task = own_line(blackboard.service.tasks)
+    service = blackboard.service
+    configuration = Configuration(store, service, Document(Path(service.database)))
+    task = own_line(service.tasks)
     metrics = TaskMetrics(store, task, task.process)
     monitor = HealthMonitor()
     live = Live(blackboard, monitor, metrics)
@@ -55,14 +67,16 @@ def create_app(store: Store) -> FastAPI:
                 group.create_task(watch_health(blackboard, monitor)),
                 group.create_task(live.run()),
                 group.create_task(view3d.run()),
+                group.create_task(keep_house(configuration)),
             )
             yield
             for each in background:
                 each.cancel()
+        configuration.document.close()
 
     app = FastAPI(
         title="PSLV",
-        version=blackboard.service.version,
+        version=service.version,
         description=DESCRIPTION,
         lifespan=lifespan,
         docs_url=None,  # FastAPI's page loads scripts from the internet; ours does not
@@ -73,7 +87,11 @@ def create_app(store: Store) -> FastAPI:
     install_problems(app)
     app.include_router(health_routes(blackboard, monitor))
     app.include_router(api_routes(blackboard, monitor))
-    app.include_router(task_routes(blackboard, TaskOverrides(store, blackboard.service)))
+    app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
+    app.include_router(settings_routes(configuration, service, RestartRequests(store)))
+    app.include_router(team_routes(configuration, TeamKeys()))
+    app.include_router(match_routes(configuration))
+    app.include_router(client_routes(blackboard, configuration))
     app.include_router(timing_routes(blackboard, monitor, live))
     app.include_router(page_routes())
     app.include_router(view3d_routes(view3d))

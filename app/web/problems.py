@@ -32,14 +32,27 @@ class ProblemDetails(Report):
     """What was found instead."""
     accepted: str | None = None
     """What would be accepted."""
+    field: str | None = None
+    """The setting or the field of a form that is wrong."""
+
+
+PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}}}
+REFUSED: dict[int | str, dict[str, Any]] = {
+    401: PROBLEM | {"description": "Nobody is logged in"},
+    403: PROBLEM | {"description": "Only the operator may change something, from our own page or a program, as JSON"},
+    404: PROBLEM | {"description": "There is nothing of this name"},
+    409: PROBLEM | {"description": "It does not fit to the present state, or somebody else was faster"},
+    422: PROBLEM | {"description": "A value is not accepted: ``field`` names it, ``accepted`` says what would be"},
+}
+"""Refusals that every change may be answered with, for the OpenAPI document."""
 
 
 class RequestRefused(HTTPException):
     """A request that was understood and is refused."""
 
-    def __init__(self, status: HTTPStatus, asked: str, *, found: str, accepted: str) -> None:
+    def __init__(self, status: HTTPStatus, asked: str, *, found: str, accepted: str, field: str = "") -> None:
         super().__init__(status, str(PslvError(asked, found=found, accepted=accepted)))
-        self.parts = {"asked": asked, "found": found, "accepted": accepted}
+        self.parts = {"asked": asked, "found": found, "accepted": accepted} | ({"field": field} if field else {})
 
 
 def problem_response(
@@ -62,7 +75,8 @@ def install_problems(app: FastAPI) -> None:
     async def invalid(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, RequestValidationError)
         parts = _first(error.errors())
-        return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, str(PslvError(**parts)), parts)
+        words = PslvError(parts["asked"], found=parts["found"], accepted=parts["accepted"])
+        return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, str(words), parts)
 
     async def failed(request: Request, _error: Exception) -> JSONResponse:
         return problem_response(
@@ -80,6 +94,7 @@ def _first(errors: Sequence[Any]) -> dict[str, str]:
     if error["type"] == "json_invalid":
         return {"asked": "the request's body", "found": str(error["ctx"]["error"]), "accepted": "JSON"}
     return {
+        "field": ".".join(str(part) for part in error["loc"][1:]),
         "asked": ".".join(str(part) for part in error["loc"]),
         "found": json.dumps(error.get("input"), default=str)[:MAX_FOUND],
         "accepted": error["msg"].removeprefix("Input should be "),

@@ -5,7 +5,9 @@
 
 import argparse
 import math
+import shutil
 import socket
+import tempfile
 import threading
 import time
 from collections.abc import Callable
@@ -13,6 +15,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import uvicorn
+from msgspec import to_builtins
 
 from app.web.application import create_app
 from tests.app.fake_picture import FakePicture, Pose
@@ -35,6 +38,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, SourceInfo, TaskOverride
 from vision_core.rtdb.items import Item, T
 from vision_core.rtdb.store import Store, create_block
+from vision_core.settings.layers import Layer, LayerKind
 from vision_core.settings.schema import Settings
 from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.objects import (
@@ -48,9 +52,10 @@ from vision_core.types.objects import (
 )
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
-from vision_core.venues.loader import load_settings
+from vision_core.venues.loader import layers_of, load_settings, settings_from_layers
 
 CAMERA = "main"
+OPTIONS = Layer("command line", {}, kind=LayerKind.OPTIONS)
 OBSTACLES = ((0.05, 0.95, 0.11), (-0.1, -0.45, 0.06))
 """Shares of half the field's length and width, radius [m]."""
 
@@ -81,7 +86,8 @@ class FakeService:
 
     def __init__(self, scene: Scene | None = None, settings: Settings | None = None) -> None:
         self.scene = scene or Scene()
-        self.settings = settings or load_settings()
+        layers = layers_of() if settings is None else [Layer("test", to_builtins(settings)), OPTIONS]
+        self.settings = settings or settings_from_layers(layers)
         self.clock = MonotonicClock()
         self.tasks = task_table(self.settings)
         processes = dict.fromkeys(task.process for task in self.tasks)
@@ -99,7 +105,17 @@ class FakeService:
         self._thread: threading.Thread | None = None
         self._frames = 0
         addresses = "http://127.0.0.1:8000", "127.0.0.1:6000, sessions 6001"
-        info = ServiceInfo("0.1.0", self.boot, *addresses, self.settings, task_table(self.settings))
+        self._folder = tempfile.mkdtemp()
+        """Of what is changed on the page."""
+        info = ServiceInfo(
+            "0.1.0",
+            self.boot,
+            *addresses,
+            self.settings,
+            task_table(self.settings),
+            layers=tuple(replace(layer, text="") for layer in layers),
+            database=f"{self._folder}/venue.db",
+        )
         self.put(records.SERVICE, info)
         self.put(records.SELF_TEST, self_test(self.scene.condition))
 
@@ -163,6 +179,7 @@ class FakeService:
         self._stop.set()
         if self._thread is not None:
             self._thread.join()
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def _run(self) -> None:
         while not self._stop.wait(1.0 / 30.0):

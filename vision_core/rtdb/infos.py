@@ -37,6 +37,10 @@ class ServiceInfo:
     """The task table."""
     layers: tuple[Layer, ...] = ()
     """Where the settings come from, the lowest first, without the text of files: see ``venues.loader.with_overlay``."""
+    database: str = ""
+    """Path of the file that keeps what is changed on the page."""
+    venue: str = "default"
+    """Which venue and further file the settings are of, for names of files."""
 
     def task(self, name: str) -> Task:
         """A task's line of the table. Raises KeyError for an unknown name."""

@@ -45,23 +45,6 @@ class ClientReport(Report):
     """In effect: that which it asked for, or that of its team."""
 
 
-class RefusedReport(Report):
-    """Requests for the same robot that were refused for the same reason."""
-
-    address: str
-    port: int
-    team: Team | None
-    """null: the request named no robot."""
-    number: int | None
-    error: str
-    """The word that the protocol has for the reason: not_admitted, already_connected, ..."""
-    first_s: float
-    """Time since the first of these requests [s]."""
-    last_s: float
-    """Time since the newest of them [s]."""
-    count: int
-
-
 class LagSummary(Report):
     """One part of the lag over the last frames."""
 
@@ -102,24 +85,6 @@ def clients_from(snapshot: ServiceSnapshot) -> list[ClientReport]:
             mirror=MirrorReport(a=client.mirror.a, b=client.mirror.b, c=client.mirror.c),
         )
         for client in (serving.value.clients if serving else ())
-    ]
-
-
-def refused_from(snapshot: ServiceSnapshot) -> list[RefusedReport]:
-    """Recent requests that were refused, newest last; those of addresses that are not admitted stay for ten minutes."""
-    serving = snapshot.recent(records.SERVING)
-    return [
-        RefusedReport(
-            address=refused.address,
-            port=refused.port,
-            team=refused.team,
-            number=refused.number,
-            error=refused.error,
-            first_s=seconds_between(refused.first, snapshot.now),
-            last_s=seconds_between(refused.last, snapshot.now),
-            count=refused.count,
-        )
-        for refused in (serving.value.refused if serving else ())
     ]
 
 

@@ -4,10 +4,11 @@ from app.web.blackboard import ServiceSnapshot
 from app.web.health.monitor import Health, HealthState
 from app.web.reports.base import Report
 from app.web.reports.camera import CameraReport, camera_from
-from app.web.reports.clients import ClientReport, Lags, RefusedReport, clients_from, lags_from, refused_from
+from app.web.reports.clients import ClientReport, Lags, clients_from, lags_from
 from app.web.reports.machine import MachineReport, machine_from
 from app.web.reports.processes import ProcessReport, processes_from
 from app.web.reports.source import SourceReport, source_from
+from app.web.reports.waiting import WaitingReport, waiting_from
 from vision_core.clock import seconds_between
 
 
@@ -46,8 +47,8 @@ class Status(Report):
     clients: list[ClientReport]
     """Robot programs that are connected."""
     lags: Lags
-    refused: list[RefusedReport]
-    """Recent requests of clients that were refused, newest last."""
+    waiting: list[WaitingReport]
+    """Clients that were refused lately, those that wait to be admitted first."""
     selftest: MachineReport | None
     """null where no self-test was made."""
     processes: list[ProcessReport]
@@ -70,7 +71,7 @@ def status_from(snapshot: ServiceSnapshot, health: Health) -> Status:
         cameras=[camera_from(snapshot)],
         clients=clients_from(snapshot),
         lags=lags_from(snapshot),
-        refused=refused_from(snapshot),
+        waiting=waiting_from(snapshot),
         selftest=machine_from(snapshot),
         processes=processes_from(snapshot),
     )

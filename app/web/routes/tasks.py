@@ -1,26 +1,18 @@
 """``/api/v1/tasks``: lists tasks, and slows, re-prioritizes or switches them off while the service runs."""
 
 from http import HTTPStatus
-from typing import Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
+from app.web.auth.identity import identity_of
 from app.web.blackboard import Blackboard
-from app.web.overrides import TaskOverrides
-from app.web.problems import MEDIA_TYPE, ProblemDetails, RequestRefused
+from app.web.configuration.task_changes import TaskChanges
+from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.tasks import Override, TaskReport, task_from, tasks_from
 
-PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}}}
-REFUSALS: dict[int | str, dict[str, Any]] = {
-    403: PROBLEM | {"description": "The request comes from another machine or a foreign page, or is not JSON"},
-    404: PROBLEM | {"description": "No task of this name"},
-    409: PROBLEM | {"description": "The task runs a loop of its own and cannot be changed"},
-    422: PROBLEM | {"description": "An unknown key, a rate that is impossible, or a priority out of range"},
-}
 
-
-class Change(Report):
+class TaskChange(Report):
     """A change of a task's override."""
 
     task: TaskReport
@@ -29,7 +21,7 @@ class Change(Report):
     """The override before the change; sent in a PATCH, it undoes the change."""
 
 
-def task_routes(blackboard: Blackboard, overrides: TaskOverrides) -> APIRouter:
+def task_routes(blackboard: Blackboard, changes: TaskChanges) -> APIRouter:
     """Listing tasks, changing one, undoing the change."""
     router = APIRouter(prefix="/api/v1/tasks", tags=["tasks"])
 
@@ -38,25 +30,26 @@ def task_routes(blackboard: Blackboard, overrides: TaskOverrides) -> APIRouter:
         """Every task of the task table: what starts it, its granted priority, its rate and response times."""
         return tasks_from(blackboard.read())
 
-    @router.patch("/{name}", responses=REFUSALS)
-    async def change(name: str, request: Override) -> Change:
+    @router.patch("/{name}", responses=REFUSED)
+    def change(name: str, override: Override, request: Request) -> TaskChange:
         """Switches a task on or off, slows it, or gives it another priority. Only the keys that are sent change; null
-        stands for the value of the settings. The override lasts until the service ends, whatever process restarts."""
+        stands for the value of the settings. The change is kept, as every change of
+        the page, until it is taken back."""
         before = _override(name)
-        overrides.change(name, request)
-        return Change(task=task_from(blackboard.read(), name), before=before)
+        changes.change(name, override, identity_of(request).name)
+        return TaskChange(task=task_from(blackboard.read(), name), before=before)
 
-    @router.delete("/{name}", responses=REFUSALS)
-    async def undo(name: str) -> Change:
+    @router.delete("/{name}", responses=REFUSED)
+    def undo(name: str, request: Request) -> TaskChange:
         """Lets a task run as the settings have it again."""
         before = _override(name)
-        overrides.withdraw(name)
-        return Change(task=task_from(blackboard.read(), name), before=before)
+        changes.withdraw(name, identity_of(request).name)
+        return TaskChange(task=task_from(blackboard.read(), name), before=before)
 
     def _override(name: str) -> Override:
         if name not in blackboard.task_names:
             names = ", ".join(blackboard.task_names)
             raise RequestRefused(HTTPStatus.NOT_FOUND, "a task", found=name, accepted=names)
-        return Override.of(overrides.of(name))
+        return Override.of(changes.of(name))
 
     return router

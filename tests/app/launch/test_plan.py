@@ -15,7 +15,7 @@ from vision_core.native import kernel_folder
 from vision_core.native.kernel_folder import VARIABLE
 from vision_core.rtdb.task import ORDINARY_MAX_RUN_S
 from vision_core.startup import PREFLIGHT
-from vision_core.venues.loader import load_settings
+from vision_core.venues.loader import layers_of, settings_from_layers
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +29,8 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def plan() -> Iterator[ServicePlan]:
     """Of the default settings, on free ports."""
-    made, _ = plan_service(load_settings(options={"server.port": 0, "server.udp_port": 0}), "1")
+    layers = layers_of(options={"server.port": 0, "server.udp_port": 0})
+    made, _ = plan_service(settings_from_layers(layers), "1", layers, Path("venue.db"), "default")
     yield made
     for opened in made.sockets.values():
         opened.close()

@@ -1,64 +1,52 @@
-"""Changes of tasks while the service runs: checked like the task table at the start, then written to the database.
-
-The web process is the only writer of the record ``live_settings``. Every process reads it between two runs, applies
-it, and reports in ``task/<name>`` how its task runs then. A restarted web process continues with the record's content.
-"""
+"""Changes of tasks while the service runs: checked like the task table at the start, before they are kept."""
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from http import HTTPStatus
+from typing import Any
 
 from msgspec import structs
 
+from app.web.configuration.configuration import Configuration
+from app.web.configuration.keys import setting
 from app.web.problems import RequestRefused
 from app.web.reports.tasks import Override
-from vision_core.clock import MonotonicClock
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.rtdb import records
-from vision_core.rtdb.infos import LiveSettings, ServiceInfo, TaskOverride
-from vision_core.rtdb.store import Store
+from vision_core.rtdb.infos import ServiceInfo, TaskOverride
 from vision_core.scheduling.checks import TableProblem, rate_problems
 from vision_core.scheduling.executive import with_override
+from vision_core.settings.live import LIVE_OF_TASKS
 
 
-class TaskOverrides:
-    """The overrides of all tasks, kept in the database."""
+class TaskChanges:
+    """Changes of the times of tasks."""
 
-    def __init__(self, store: Store, service: ServiceInfo) -> None:
+    def __init__(self, configuration: Configuration, service: ServiceInfo) -> None:
+        self._configuration = configuration
         self._rate_hz = CameraSetup.from_settings(service.settings).rate_hz
         self._table = {task.name: task for task in service.tasks}
-        self._clock = MonotonicClock()
-        self._writer = records.LIVE_SETTINGS.writer(store)
-        stored = records.LIVE_SETTINGS.reader(store).read(self._clock.now())
-        self._live = stored.value if stored else LiveSettings.of(service.settings)
-        self._tasks = dict(self._live.tasks)
 
     def of(self, name: str) -> TaskOverride:
-        """The override of a task; without values when it runs as the settings have it."""
-        return self._tasks.get(name, TaskOverride())
+        """What was changed of a task; without values when it runs as the files have it."""
+        entries = self._configuration.entries
+        return TaskOverride(**{key: entries.get(_entry(name, key)) for key in LIVE_OF_TASKS})
 
-    def change(self, name: str, request: Override) -> None:
-        """Change the override of a task by the keys that the request contains; its other values stay.
+    def change(self, name: str, request: Override, who: str) -> None:
+        """Change a task's times by the keys that the request contains; the others stay.
 
         Raises RequestRefused when the tasks could not run that way.
         """
-        changed = replace(self.of(name), **{key: getattr(request, key) for key in request.model_fields_set})
-        self._check(name, request, changed)
-        self._write(name, changed)
+        sent = {key: getattr(request, key) for key in request.model_fields_set}
+        self._check(name, request, replace(self.of(name), **sent))
+        self._keep(name, sent, who, f"task {name}: {in_words(request)}")
 
-    def withdraw(self, name: str) -> None:
-        """Let a task run as the settings have it again."""
-        self._write(name, TaskOverride())
+    def withdraw(self, name: str, who: str) -> None:
+        """Let a task run as the files have it again."""
+        self._keep(name, dict.fromkeys(LIVE_OF_TASKS), who, f"task {name}: as in the files")
 
-    def _write(self, name: str, override: TaskOverride) -> None:
-        if override == self.of(name):
-            return
-        self._tasks.pop(name, None)
-        if override != TaskOverride():
-            self._tasks[name] = override
-        now = self._clock.now()
-        self._live = replace(self._live, revision=self._live.revision + 1, tasks=dict(self._tasks))
-        self._writer.write(self._live, now, now)
+    def _keep(self, name: str, values: Mapping[str, Any], who: str, what: str) -> None:
+        entries = {_entry(name, key): value for key, value in values.items()}
+        self._configuration.change(entries, who=who, what=what)
 
     def _check(self, name: str, request: Override, changed: TaskOverride) -> None:
         task = self._table[name]
@@ -69,7 +57,7 @@ class TaskOverrides:
                 found="it runs in a loop of its own",
                 accepted="a change of its line in the venue file, at the next start",
             )
-        asked = f"{_in_words(request)} for task {name}"
+        asked = f"{in_words(request)} for task {name}"
         if request.period_ms and task.period_owner:
             raise RequestRefused(
                 HTTPStatus.UNPROCESSABLE_ENTITY,
@@ -98,11 +86,15 @@ class TaskOverrides:
         return list(rate_problems(tasks, self._rate_hz))
 
 
-def _in_words(request: Override) -> str:
+def in_words(request: Override) -> str:
     """The keys and values of a request: "period_ms 50, enabled null"."""
     named = ((entry.name, getattr(request, entry.name)) for entry in fields(TaskOverride))
     sent = (f"{key} {_value(value)}" for key, value in named if key in request.model_fields_set)
     return ", ".join(sent)
+
+
+def _entry(name: str, key: str) -> str:
+    return setting(f"tasks.{name}.{key}")
 
 
 def _value(value: float | None) -> str:

@@ -1,0 +1,1 @@
+"""Who asks: identities of requests, and the keys of teams."""
