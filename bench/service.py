@@ -38,12 +38,19 @@ class RunningService:
 
     def get(self, path: str) -> tuple[int, Any]:
         """Status code and body of a page: decoded when it is JSON, else bytes."""
+        return self.request("GET", path)
+
+    def request(self, method: str, path: str, body: object = None) -> tuple[int, Any]:
+        """Status code and body of the answer to a request, as ``get``; body: sent as JSON."""
+        content = None if body is None else json.dumps(body).encode()
+        headers = {} if content is None else {"content-type": "application/json"}
+        asked = urllib.request.Request(self.http + path, content, headers, method=method)
         try:
-            with urllib.request.urlopen(self.http + path, timeout=5.0) as response:
-                code, body, kind = response.status, response.read(), response.headers.get_content_type()
+            with urllib.request.urlopen(asked, timeout=5.0) as response:
+                code, answer, kind = response.status, response.read(), response.headers.get_content_type()
         except urllib.error.HTTPError as error:
-            code, body, kind = error.code, error.read(), error.headers.get_content_type()
-        return code, json.loads(body) if kind.endswith("json") else body
+            code, answer, kind = error.code, error.read(), error.headers.get_content_type()
+        return code, json.loads(answer) if answer and kind.endswith("json") else answer
 
     def pids(self) -> dict[str, int]:
         """Ids of all its running processes by name."""
@@ -63,8 +70,8 @@ def running_service(*options: str, variables: Mapping[str, str] | None = None) -
     options: further arguments of ``pslv serve``. variables: further environment variables. Raises RuntimeError with the
     service's log when it ends or is not ready within START_TIMEOUT_S.
     """
-    with tempfile.TemporaryFile("w+") as log:
-        environment = {**os.environ, **(variables or {})}
+    with tempfile.TemporaryFile("w+") as log, tempfile.TemporaryDirectory() as folder:
+        environment = {**os.environ, "PSLV_DATABASE": folder, **(variables or {})}
         process = subprocess.Popen(
             [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options],
             cwd=Path(__file__).resolve().parents[1],

@@ -86,7 +86,7 @@ def create_app(store: Store) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     install_problems(app)
     app.include_router(health_routes(blackboard, monitor))
-    app.include_router(api_routes(blackboard, monitor))
+    app.include_router(api_routes(blackboard, monitor, configuration))
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
     app.include_router(settings_routes(configuration, service, RestartRequests(store)))
     app.include_router(team_routes(configuration, TeamKeys()))

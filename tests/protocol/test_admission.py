@@ -5,6 +5,7 @@ import pytest
 from tests.protocol.samples import SUBNETS
 from vision_core.errors import SettingsError
 from vision_core.protocol.admission import Admission
+from vision_core.types.objects import Team
 
 ADMISSION = Admission.from_subnets([*SUBNETS, "192.168.7.5"])
 
@@ -26,3 +27,32 @@ def test_others_may_not(host: str) -> None:
 def test_a_bad_subnet_is_named(subnet: str) -> None:
     with pytest.raises(SettingsError, match=r"admission\.subnets"):
         Admission.from_subnets([subnet])
+
+
+RULES = Admission.from_texts(
+    ["10.0.0.0/24"],
+    [("192.168.7.5", Team.BLUE, 3), ("192.168.7.6", Team.YELLOW, None), ("192.168.8.0/24", None, None)],
+    ["10.0.0.66", "192.168.8.128/25"],
+)
+
+
+@pytest.mark.parametrize(
+    ("host", "robots"),
+    [
+        ("10.0.0.9", {"blue 3", "blue 4", "yellow 3"}),
+        ("192.168.7.5", {"blue 3"}),
+        ("192.168.7.6", {"yellow 3"}),
+        ("192.168.8.1", {"blue 3", "blue 4", "yellow 3"}),
+        ("192.168.8.200", set()),
+        ("10.0.0.66", set()),
+        ("8.8.8.8", set()),
+    ],
+)
+def test_a_rule_admits_as_some_robots_and_a_refusal_wins(host: str, robots: set[str]) -> None:
+    asked = [(Team.BLUE, 3), (Team.BLUE, 4), (Team.YELLOW, 3)]
+    assert {f"{team} {number}" for team, number in asked if RULES.admits_as(host, team, number)} == robots
+    assert RULES.admits(host) == bool(robots)
+
+
+def test_this_computer_can_be_refused_too() -> None:
+    assert not Admission.from_texts([], [], ["127.0.0.0/8"]).admits("127.0.0.1")

@@ -19,6 +19,8 @@ from tests.protocol.samples import (
     rules,
 )
 from tests.protocol.test_codec import option_sets
+from vision_core.models.mirror import Mirror
+from vision_core.protocol.admission import Admission
 from vision_core.protocol.codec import encode
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.lifecycle import Peer, Port, Session, SessionTrigger
@@ -493,3 +495,35 @@ def test_a_restored_server_answers_a_repeated_init() -> None:
 def test_a_foreign_snapshot_is_refused(snapshot: bytes) -> None:
     with pytest.raises(ValueError):  # noqa: PT011 (JSON's own message, or ours)
         Sessions.restore(rules(), snapshot)
+
+
+def test_other_rules_hold_for_sessions_that_are_open() -> None:
+    server = Server()
+    server.hear(b"(init blue 3)", TEAMMATE)
+    server.hear(b"(init yellow 5)")
+    before = list(server.sessions)
+    kept = replace(server.sessions.rules, numbers=5, mirrors=dict.fromkeys(Team, Mirror(4.2, 0.0131, 91000.0)))
+    assert server.sessions.apply(kept, "pause") == []
+    assert list(server.sessions) == before
+    assert server.answers(b"(init blue 1)") == [b"(init blue 1 pause)"]
+    assert server.answers(b"(mirror)", TEAMMATE, SESSION) == [b"(mirror 4.2 0.0131 91000.0)"]
+
+
+def test_a_session_that_is_admitted_no_longer_ends_and_its_client_is_told() -> None:
+    server = Server()
+    server.hear(b"(init blue 3)", TEAMMATE)
+    server.hear(b"(init yellow 5)")
+    strict = replace(server.sessions.rules, admission=Admission(), numbers=4)
+    events = server.sessions.apply(strict, "play_on")
+    assert replies(events) == [b"(error not_admitted)", b"(error illegal_number)"]
+    assert len(server.sessions) == 0
+
+
+def test_an_address_that_is_admitted_as_one_robot_is_not_admitted_as_another() -> None:
+    server = Server()
+    own = Admission.from_texts([], [("10.0.0.7", Team.BLUE, 3)], [])
+    server.sessions.apply(replace(server.sessions.rules, admission=own), "play_on")
+    assert server.answers(b"(init blue 3)", TEAMMATE) == [b"(init blue 3 play_on)"]
+    other = server.hear(b"(init blue 4)", TEAMMATE)
+    assert replies(other) == [b"(error not_admitted)"]
+    assert RequestRefused(TEAMMATE, ErrorCode.NOT_ADMITTED, Team.BLUE, 4) in other

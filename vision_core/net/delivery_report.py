@@ -61,8 +61,8 @@ class DeliveryReport:
         """The record ``lags``."""
         return self._histograms.encode()
 
-    def serving(self, server: UdpServer, now: Instant) -> Serving:
-        """The record ``serving``."""
+    def serving(self, server: UdpServer, now: Instant, revision: int) -> Serving:
+        """The record ``serving``. revision: of the live settings in effect."""
         previous, self._rates = self._rates, {}
         clients = []
         for session in server.sessions:
@@ -75,6 +75,7 @@ class DeliveryReport:
             lag_median_ms=statistics.median(lags_s) * MS_PER_S,
             lag_max_ms=lags_s[-1] * MS_PER_S,
             refused=self._refusals.recent(now),
+            revision=revision,
         )
 
 

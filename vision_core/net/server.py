@@ -20,6 +20,7 @@ from vision_core.clock import Clock, Instant
 from vision_core.geometry import Bytes
 from vision_core.net.delivery import DELIVERY, REFUSED, Batch, DeliveryTable, new_rows, note_report
 from vision_core.net.udp import Datagram, SendResult, SessionSocket, SharedSocket
+from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.lifecycle import Peer, Port, Session
 from vision_core.protocol.session import (
     Endpoint,
@@ -33,6 +34,7 @@ from vision_core.protocol.session import (
     SessionRules,
     Sessions,
 )
+from vision_core.types.objects import Team
 from vision_core.types.tables import Table
 
 MAX_DATAGRAMS = 64
@@ -149,6 +151,19 @@ class UdpServer:
     def expire(self) -> list[Event]:
         """End silent sessions; to be called once a second or so."""
         return self.apply_events(self.sessions.expire(self._clock.now()))
+
+    def apply(self, rules: SessionRules, mode: str) -> list[Event]:
+        """Go on with other rules; returns what follows: sessions that they do not allow end."""
+        events = self.apply_events(self.sessions.apply(rules, mode))
+        self._table_is_stale = True  # the encoder reads the clients' options anew
+        return events
+
+    def end(self, team: Team, number: int, since: Instant) -> list[Event]:
+        """End a robot's session if it was opened at an instant, and tell its client."""
+        for session in self.sessions:
+            if (session.team, session.number, session.opened) == (team, number, since):
+                return self.apply_events(self.sessions.end(session, ErrorCode.NOT_CONNECTED))
+        return []
 
     def due(self, at: Instant) -> tuple[tuple[Session, ...], Bytes]:
         """All sessions, and for each 1 if it is to get a view grabbed at an instant, else 0.

@@ -11,7 +11,8 @@ import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
-from vision_core.models.from_settings import mirror_from
+from vision_core.models.from_settings import mirror_from, mirror_of
+from vision_core.models.mirror import Mirror
 from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import REQUEST, SLOT, TextBuffers, ball_numbers, view_px, write_see
@@ -138,11 +139,13 @@ class ViewEncoder:
         self.renderer = ViewRenderer(settings)
         self._boot = boot
         self.mirror = mirror_from(settings)
-        """The field's, for clients that ask for no other."""
+        """The field's: the page's views are in its pixels."""
+        self._mirrors = {team: mirror_of(settings.mirror, team) for team in Team}
+        """Of each team, for clients that ask for no other."""
         self.codes = edge_codes(settings.protocol.letters)
         self._letters = np.array([self.codes[types] for types in TYPES])
         self._page: Table = np.zeros(1, dtype=REQUEST)
-        self._page[0] = self.request(Team.BLUE, 1, PAPER_OPTIONS, nul=False)
+        self._page[0] = self._request(Team.BLUE, 1, PAPER_OPTIONS, self.mirror, nul=False)
         self.views = ViewsTable()
         """The page's views of the last world."""
         self._page_px = np.zeros((VIEWERS, DIRECTIONS), dtype=np.uint8)
@@ -164,10 +167,12 @@ class ViewEncoder:
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
         """A client's row of REQUEST. Raises ValueError when its directions are on no grid of a view."""
+        return self._request(team, number, options, options.mirror or self._mirrors[team], nul=nul)
+
+    def _request(self, team: Team, number: int, options: Options, mirror: Mirror, *, nul: bool) -> Table:
         rays = options.rays_per_circle
         per_deg = rays // 360
         sign = 1 if options.sense == "ccw" else -1
-        mirror = options.mirror or self.mirror
         first, step = options.first_deg * per_deg, options.resolution_deg * per_deg
         if not (first.is_integer() and step.is_integer()):
             raise ValueError(

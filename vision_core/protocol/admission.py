@@ -1,14 +1,34 @@
-"""Addresses that may connect: those of the server's own computer, and those that the settings list."""
+"""Addresses that may connect: those of the server's own computer, and those that the settings list.
+
+A rule may admit an address for the robots of one team, or for one robot. An address that is refused may not connect,
+whatever admits it.
+"""
 
 import ipaddress
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
 from vision_core.errors import SettingsError
+from vision_core.types.objects import Team
 
 IPAddress = ipaddress.IPv4Address | ipaddress.IPv6Address
 IPNetwork = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """Addresses that may connect, and as which robots."""
+
+    network: IPNetwork
+    team: Team | None
+    """None: of both teams."""
+    number: int | None
+    """None: of any number."""
+
+    def admits_as(self, team: Team, number: int) -> bool:
+        """Does it hold for this robot?"""
+        return self.team in (None, team) and self.number in (None, number)
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +36,9 @@ class Admission:
     """Admits loopback addresses and the addresses of a list of networks."""
 
     networks: tuple[IPNetwork, ...] = ()
+    """May connect as every robot."""
+    rules: tuple[Rule, ...] = ()
+    refused: tuple[IPNetwork, ...] = ()
 
     @staticmethod
     def from_subnets(subnets: Iterable[str]) -> "Admission":
@@ -29,12 +52,40 @@ class Admission:
                 raise SettingsError(f"admission.subnets {subnet!r}", found=str(error), accepted=accepted) from None
         return Admission(tuple(networks))
 
+    @staticmethod
+    def from_texts(
+        subnets: Iterable[str], rules: Iterable[tuple[str, Team | None, int | None]], refused: Iterable[str]
+    ) -> "Admission":
+        """From networks as text, as ``from_subnets``; rules: each with team and number, or None for all."""
+        parsed = (Rule(_network(network), team, number) for network, team, number in rules)
+        return Admission(Admission.from_subnets(subnets).networks, tuple(parsed), tuple(map(_network, refused)))
+
     def admits(self, host: str) -> bool:
-        """May this address connect? False for text that is not an IP address."""
+        """May this address connect as some robot? False for text that is not an IP address."""
+        address = _address(host)
+        return address is not None and (self._admits_all(address) or any(self._rules_of(address)))
+
+    def admits_as(self, host: str, team: Team, number: int) -> bool:
+        """May this address connect as this robot?"""
         address = _address(host)
         if address is None:
             return False
-        return address.is_loopback or any(address in network for network in self.networks)
+        return self._admits_all(address) or any(rule.admits_as(team, number) for rule in self._rules_of(address))
+
+    def _admits_all(self, address: IPAddress) -> bool:
+        known = address.is_loopback or any(address in network for network in self.networks)
+        return known and not self._refuses(address)
+
+    def _rules_of(self, address: IPAddress) -> Iterator[Rule]:
+        if not self._refuses(address):
+            yield from (rule for rule in self.rules if address in rule.network)
+
+    def _refuses(self, address: IPAddress) -> bool:
+        return any(address in network for network in self.refused)
+
+
+def _network(text: str) -> IPNetwork:
+    return Admission.from_subnets([text]).networks[0]
 
 
 @lru_cache(maxsize=4096)

@@ -221,6 +221,21 @@ class Sessions:
         """End a session."""
         return self._step(session, reason)
 
+    def apply(self, rules: SessionRules, mode: str) -> list[Event]:
+        """Go on with other rules of the same boot; mode: of the play. Sessions that they do not allow end."""
+        self.rules, self.mode = rules, mode
+        events: list[Event] = []
+        for session in self:
+            if not rules.admission.admits_as(session.peer.host, session.team, session.number):
+                events += self.end(session, ErrorCode.NOT_ADMITTED)
+            elif session.number > rules.numbers:
+                events += self.end(session, ErrorCode.ILLEGAL_NUMBER)
+        return events
+
+    def end(self, session: Session, why: ErrorCode) -> list[Event]:
+        """End a session and tell its client why."""
+        return [_reply(ErrorReply(why), session), *self.close(session)]
+
     def not_opened(self, session: Session) -> list[Event]:
         """There is no socket for a session: end it and tell its client."""
         full = _error(ErrorCode.SERVER_FULL, session.nul, session.peer, Endpoint(Port.MAIN, session.local))
@@ -327,6 +342,8 @@ class Sessions:
             return ErrorCode.RATE_LIMITED
         if init.number > self.rules.numbers:
             return ErrorCode.ILLEGAL_NUMBER
+        if not self.rules.admission.admits_as(peer.host, init.team, init.number):
+            return ErrorCode.NOT_ADMITTED
         if init.options.mirror is not None:
             try:
                 check_span(init.options.mirror, self.rules.diagonal_m)

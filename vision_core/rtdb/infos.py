@@ -222,7 +222,7 @@ class TaskOverride:
 
 @dataclass(frozen=True, slots=True)
 class EndedSession:
-    """The operator has ended the session of a robot, if it began before an instant."""
+    """The operator has ended the session of a robot that was opened at an instant."""
 
     team: Team
     number: int

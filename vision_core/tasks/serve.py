@@ -21,8 +21,10 @@ from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.admission import Admission
 from vision_core.protocol.session import Event, SessionRules, Sessions
 from vision_core.rtdb import records
+from vision_core.rtdb.infos import EndedSession
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, Release, StepResult
+from vision_core.settings.schema import AdmissionSettings, Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.objects import Team
 from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
@@ -60,6 +62,10 @@ class ServeTask:
         self._serving = handle.writer(records.SERVING)
         self._lags = handle.raw_writer(records.LAG_HISTOGRAMS.name)
         self._published_at: Instant | None = None
+        self._live = handle.reader(records.LIVE_SETTINGS)
+        self._live_sequence = 0
+        self._revision = 0
+        self._ended: tuple[EndedSession, ...] = ()
 
     def receive(self) -> None:
         """Receive and answer the datagrams of clients."""
@@ -74,6 +80,7 @@ class ServeTask:
         missed = reading.sequence - release.sequence  # sightings that came between the release and this call
         if not reading.valid:  # a source that had stopped delivers again: these sightings are too old to be sent
             return StepResult(ran=False, missed=missed)
+        self._apply_live_settings()  # between two frames: this one is wholly made with the new settings
         self._sightings_table.load(reading.value)
         world = self._tracker.update(self._sightings_table, *self._obstacles.newest())
         summary = self._send(world, reading.measured)
@@ -88,9 +95,10 @@ class ServeTask:
         now = self._clock.now()
         if self._published_at is not None and seconds_between(self._published_at, now) < PUBLISH_EVERY_S:
             return
+        self._apply_live_settings()
         self._note(self.server.expire())
         self._lags.write(self._report.histograms(), now, now)
-        self._serving.write(self._report.serving(self.server, now), now, now)
+        self._serving.write(self._report.serving(self.server, now, self._revision), now, now)
         self._published_at = now
 
     def _send(self, world: WorldTable, grabbed_at: Instant) -> SendSummary:
@@ -103,6 +111,27 @@ class ServeTask:
         now = self._clock.now()
         self._world.write(world.bytes, grabbed_at, now)
         self._views.write(self._encoder.views.bytes, grabbed_at, now)
+
+    def _apply_live_settings(self) -> None:
+        """Take over what was changed on the page since the last frame. Sessions, ports and Time stay.
+
+        A new encoder takes half a millisecond, since its kernels are compiled.
+        """
+        if self._live.sequence == self._live_sequence:
+            return
+        reading = self._live.read(self._clock.now())
+        if reading is None:
+            return
+        self._live_sequence, live = reading.sequence, reading.value
+        settings = live.over(self._handle.settings)
+        self._encoder = ViewEncoder(settings, self._handle.attachment.boot)
+        self._tracker.configure(settings.tracks, settings.robots)
+        events = self.server.apply(_rules(settings, self._handle.attachment.boot), settings.match.play_mode)
+        for ended in live.ended:
+            if ended not in self._ended:
+                events += self.server.end(ended.team, ended.number, ended.since)
+        self._revision, self._ended = live.revision, live.ended
+        self._note(events)
 
     def _note(self, events: Sequence[Event]) -> None:
         if events:
@@ -133,17 +162,27 @@ class _ObstacleReader:
 
 def _restored_server(handle: Handle) -> UdpServer:
     """A server with the sessions that an earlier process of this service had, if there was one."""
-    settings = handle.settings
-    rules = SessionRules(
-        boot=handle.attachment.boot,
-        numbers=settings.match.numbers,
-        lease_s=settings.protocol.lease_s,
-        diagonal_m=diagonal_m(settings.field),
-        mirrors={team: mirror_of(settings.mirror, team) for team in Team},
-        admission=Admission.from_subnets(settings.admission.subnets),
-    )
+    rules = _rules(handle.settings, handle.attachment.boot)
     main, session = (adopted(handle.attachment.resources.sockets[name]) for name in ("main", "session"))
     snapshot = handle.raw_reader(records.SESSIONS.name).read(handle.clock.now())
     if snapshot is None:
         return UdpServer(main, session, Sessions(rules), handle.clock)
     return UdpServer.restore(main, session, rules, snapshot.value, handle.clock)
+
+
+def _rules(settings: Settings, boot: Instant) -> SessionRules:
+    """The rules of the sessions as the settings say."""
+    return SessionRules(
+        boot=boot,
+        numbers=settings.match.numbers,
+        lease_s=settings.protocol.lease_s,
+        diagonal_m=diagonal_m(settings.field),
+        mirrors={team: mirror_of(settings.mirror, team) for team in Team},
+        admission=_admission(settings.admission),
+    )
+
+
+def _admission(settings: AdmissionSettings) -> Admission:
+    """Who may connect as the settings say."""
+    rules = ((rule.network, Team(rule.team) if rule.team else None, rule.number) for rule in settings.rules)
+    return Admission.from_texts(settings.subnets, rules, settings.refused)

@@ -30,6 +30,10 @@ class Tracker:
         self._obstacles_at = NEVER
         self._world = WorldTable()
 
+    def configure(self, settings: TrackSettings, robots: RobotSettings) -> None:
+        """Go on with other settings from the next frame on; tracks stay."""
+        self._parameters = parameters_from(settings, robots)
+
     @property
     def refused(self) -> int:
         """Frames that came late or twice, and changed nothing."""

@@ -1,21 +1,27 @@
 """``/api/v1``: status, field and the newest picture."""
 
+from dataclasses import replace
+from functools import lru_cache
+
 from fastapi import APIRouter, HTTPException, Response
+from msgspec import structs
 
 from app.web.blackboard import Blackboard
+from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
 from app.web.problems import MEDIA_TYPE, ProblemDetails
 from app.web.reports.field import Field, field_from
 from app.web.reports.status import Status, status_from
 from vision_core.native.opencv import encode_jpeg
+from vision_core.settings.schema import MatchSettings
 
 SNAPSHOT_QUALITY = 92
 
 
-def api_routes(blackboard: Blackboard, monitor: HealthMonitor) -> APIRouter:
+def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Configuration) -> APIRouter:
     """Status, field, newest picture."""
     router = APIRouter(prefix="/api/v1", tags=["service"])
-    field = field_from(blackboard.service)
+    service = blackboard.service
 
     @router.get("/status")
     async def status() -> Status:
@@ -23,10 +29,14 @@ def api_routes(blackboard: Blackboard, monitor: HealthMonitor) -> APIRouter:
         snapshot = blackboard.read()
         return status_from(snapshot, monitor.judge(snapshot))
 
+    @lru_cache(maxsize=4)
+    def field_of(match: MatchSettings) -> Field:
+        return field_from(replace(service, settings=structs.replace(service.settings, match=match)))
+
     @router.get("/field")
-    async def field_() -> Field:
-        """The geometry of the field, which stays the same while the service runs."""
-        return field
+    def field() -> Field:
+        """The geometry of the field and who wears which marker; a change of sides or teams changes it."""
+        return field_of(configuration.settings.match)
 
     @router.get(
         "/snapshot.jpg",
