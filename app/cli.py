@@ -14,6 +14,7 @@ from app.commands.colors import colors_app
 from app.commands.compile import compile_command
 from app.commands.config import config_app
 from app.commands.detect import detect
+from app.commands.people import passwd, token
 from app.commands.restart import restart
 from app.commands.selftest import selftest
 from app.commands.serve import serve
@@ -27,7 +28,7 @@ app = typer.Typer(
 app.add_typer(config_app, name="config")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
-for command in (serve, tasks, top, restart, selftest, detect, evaluate.evaluate, bench):
+for command in (serve, tasks, top, restart, passwd, token, selftest, detect, evaluate.evaluate, bench):
     app.command()(command)
 app.command(context_settings=CONTEXT, add_help_option=False)(client)
 app.command("compile")(compile_command)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from app.web.auth.people import People
 from vision_core.net.control import Attached, attach_to
 
 START_TIMEOUT_S = 180.0
@@ -30,6 +31,8 @@ class RunningService:
     http: str
     """Address of its page."""
     udp_port: int
+    token: str
+    """Of the operator."""
 
     @property
     def control(self) -> str:
@@ -43,7 +46,9 @@ class RunningService:
     def request(self, method: str, path: str, body: object = None) -> tuple[int, Any]:
         """Status code and body of the answer to a request, as ``get``; body: sent as JSON."""
         content = None if body is None else json.dumps(body).encode()
-        headers = {} if content is None else {"content-type": "application/json"}
+        headers = {"authorization": f"Bearer {self.token}"}
+        if content is not None:
+            headers["content-type"] = "application/json"
         asked = urllib.request.Request(self.http + path, content, headers, method=method)
         try:
             with urllib.request.urlopen(asked, timeout=5.0) as response:
@@ -72,6 +77,7 @@ def running_service(*options: str, variables: Mapping[str, str] | None = None) -
     """
     with tempfile.TemporaryFile("w+") as log, tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "PSLV_DATABASE": folder, **(variables or {})}
+        token = operator_token(Path(environment["PSLV_DATABASE"]))
         process = subprocess.Popen(
             [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0", *options],
             cwd=Path(__file__).resolve().parents[1],
@@ -81,7 +87,7 @@ def running_service(*options: str, variables: Mapping[str, str] | None = None) -
             text=True,
         )
         try:
-            yield _ready(process, log)
+            yield _ready(process, log, token)
         finally:
             process.send_signal(signal.SIGTERM)
             try:
@@ -121,7 +127,15 @@ def is_alive(pid: int) -> bool:
         return False
 
 
-def _ready(process: subprocess.Popen[str], log: Any) -> RunningService:
+def operator_token(folder: Path) -> str:
+    """A new token in a service's database."""
+    people = People(folder / "people.db")
+    secret = people.new_token("bench")[1]
+    people.close()
+    return secret
+
+
+def _ready(process: subprocess.Popen[str], log: Any, token: str) -> RunningService:
     """Wait until the service has logged its addresses and /readyz answers 200."""
     began = time.monotonic()
     while time.monotonic() - began < START_TIMEOUT_S:
@@ -133,7 +147,7 @@ def _ready(process: subprocess.Popen[str], log: Any) -> RunningService:
         found = re.search(r"page (http://\S+), robots at UDP \S+:(\d+)", text)
         if found is None:
             continue
-        service = RunningService(process, found[1], int(found[2]))
+        service = RunningService(process, found[1], int(found[2]), token)
         with contextlib.suppress(OSError):
             if service.get("/readyz")[0] == 200:
                 return service

@@ -91,6 +91,20 @@ def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope:
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
         print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
         print_line(in_words(machine))
+        link = _link(info.http, document.parent)
+        if link != info.http:
+            print_line(f"no password is set yet; the operator logs in here: {link}")
         if os.environ.get("DISPLAY") and sys.stdout.isatty():
-            webbrowser.open(info.http)
+            webbrowser.open(link)
         return Supervisor(plan, print_line, Progress().show).run()
+
+
+def _link(page: str, database: Path) -> str:
+    """The address of the page, with a token for the operator while no password is set."""
+    from app.web.auth.people import People
+    from app.web.auth.people_file import NAME
+
+    people = People(database / NAME)
+    token = people.first_run_token()
+    people.close()
+    return f"{page}/?token={token}" if token else page

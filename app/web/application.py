@@ -12,7 +12,8 @@ from pathlib import Path
 
 from fastapi import FastAPI, WebSocket
 
-from app.web.auth.team_keys import TeamKeys
+from app.web.auth.people import People
+from app.web.auth.people_file import people_path
 from app.web.blackboard import Blackboard
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.housekeeping import keep_house
@@ -21,15 +22,18 @@ from app.web.health.log import watch_health
 from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import POLICY_VIOLATION, Live
-from app.web.middleware.local_only import LocalChangesOnly
+from app.web.middleware.gate import Gate
+from app.web.middleware.head import HeadLikeGet
 from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
 from app.web.problems import install_problems
 from app.web.restart import RestartRequests
 from app.web.routes.api import api_routes
 from app.web.routes.clients import client_routes
 from app.web.routes.health import health_routes
+from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
 from app.web.routes.pages import page_routes, static_files
+from app.web.routes.people import people_routes
 from app.web.routes.settings import settings_routes
 from app.web.routes.tasks import task_routes
 from app.web.routes.teams import team_routes
@@ -52,6 +56,7 @@ def create_app(store: Store) -> FastAPI:
     """The application for one database. Raises LookupError when the supervisor has not written its first record."""
     blackboard = Blackboard(store)
     service = blackboard.service
+    people = People(people_path(service))
     configuration = Configuration(store, service, Document(Path(service.database)))
     task = own_line(service.tasks)
     metrics = TaskMetrics(store, task, task.process)
@@ -73,6 +78,7 @@ def create_app(store: Store) -> FastAPI:
             for each in background:
                 each.cancel()
         configuration.document.close()
+        people.close()
 
     app = FastAPI(
         title="PSLV",
@@ -82,15 +88,20 @@ def create_app(store: Store) -> FastAPI:
         docs_url=None,  # FastAPI's page loads scripts from the internet; ours does not
         redoc_url=None,
     )
-    app.add_middleware(LocalChangesOnly)
+    app.add_middleware(
+        Gate, people=people, hosts=service.settings.server.hosts, viewers=service.settings.server.viewers
+    )
+    app.add_middleware(HeadLikeGet)
     app.add_middleware(SecurityHeaders)
     install_problems(app)
     app.include_router(health_routes(blackboard, monitor))
     app.include_router(api_routes(blackboard, monitor, configuration))
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
     app.include_router(settings_routes(configuration, service, RestartRequests(store)))
-    app.include_router(team_routes(configuration, TeamKeys()))
+    app.include_router(team_routes(configuration, people.team_keys))
     app.include_router(match_routes(configuration))
+    app.include_router(login_routes(people, configuration))
+    app.include_router(people_routes(people))
     app.include_router(client_routes(blackboard, configuration))
     app.include_router(timing_routes(blackboard, monitor, live))
     app.include_router(page_routes())

@@ -15,6 +15,8 @@ from vision_core.errors import PslvError
 
 MEDIA_TYPE = "application/problem+json"
 MAX_FOUND = 200
+MAX_ECHO = 80
+"""Characters of what a stranger sent that an answer repeats."""
 
 
 class ProblemDetails(Report):
@@ -55,12 +57,17 @@ class RequestRefused(HTTPException):
         self.parts = {"asked": asked, "found": found, "accepted": accepted} | ({"field": field} if field else {})
 
 
+def cut(text: str) -> str:
+    """A text of a stranger, short enough to be repeated."""
+    return text if len(text) <= MAX_ECHO else f"{text[:MAX_ECHO]} ..."
+
+
 def problem_response(
     request: Request, status: int, detail: str, parts: Mapping[str, str] | None = None
 ) -> JSONResponse:
     """The answer to a request that failed; parts: what it asked, what was found and what would be accepted."""
     title = HTTPStatus(status).phrase
-    problem = ProblemDetails(title=title, status=status, detail=detail, instance=request.url.path, **(parts or {}))
+    problem = ProblemDetails(title=title, status=status, detail=detail, instance=cut(request.url.path), **(parts or {}))
     return JSONResponse(problem.model_dump(exclude_none=True), status, media_type=MEDIA_TYPE)
 
 

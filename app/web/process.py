@@ -28,6 +28,7 @@ def main() -> None:
         log_level="warning",
         lifespan="on",
         server_header=False,
+        proxy_headers=False,  # who sends X-Forwarded-For decides what it says
         timeout_graceful_shutdown=1,
         ws_max_size=MAX_MESSAGE,
         ws_per_message_deflate=False,  # a JPEG cannot be made smaller

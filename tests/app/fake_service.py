@@ -12,12 +12,14 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 import uvicorn
 from msgspec import to_builtins
 
 from app.web.application import create_app
+from app.web.auth.people import People
 from tests.app.fake_picture import FakePicture, Pose
 from tests.app.fake_tasks import (
     SPARES,
@@ -116,6 +118,11 @@ class FakeService:
             layers=tuple(replace(layer, text="") for layer in layers),
             database=f"{self._folder}/venue.db",
         )
+        self.people = Path(self._folder) / "people.db"
+        people = People(self.people)
+        self.operator = {"authorization": f"Bearer {people.new_token('tests')[1]}"}
+        """Headers of a request of the operator."""
+        people.close()
         self.put(records.SERVICE, info)
         self.put(records.SELF_TEST, self_test(self.scene.condition))
 

@@ -263,7 +263,7 @@ def test_a_log_that_nobody_reads_any_more_stops_nothing() -> None:
             found = re.search(r"page (http://[0-9.:]+)", started.stderr.readline())
             assert found is not None
             started.stderr.close()
-            service = RunningService(started, found[1], 0)
+            service = RunningService(started, found[1], 0, "")
             until_ready(service)
             target = service.pids()["perceive"]
             os.kill(target, signal.SIGKILL)  # which is news for the log

@@ -1,25 +1,37 @@
-"""Keys of teams, of which only hashes are kept."""
+"""The teams' keys: with its own a team opens its page. Only their hashes are kept, and nothing logs them."""
 
-import hashlib
-import secrets
+import time
+
+from app.web.auth.hashing import digest, is_same, new_secret
+from app.web.auth.people_file import PeopleFile
 
 
 class TeamKeys:
-    """The keys of the registered teams, while this process runs."""
+    """The keys in ``people.db``. Threads may share it."""
 
-    def __init__(self) -> None:
-        self._hashes: dict[str, bytes] = {}
+    def __init__(self, file: PeopleFile) -> None:
+        self._file = file
 
     def renew(self, slug: str) -> str:
-        """Make a new key for a team; it is told only once."""
-        key = secrets.token_urlsafe(24)
-        self._hashes[slug] = hashlib.sha256(key.encode()).digest()
+        """Give a team a new key of 256 random bits and return it: it is told once. Who came with the old one is out."""
+        key = new_secret()
+        with self._file.writing() as connection:
+            connection.execute("INSERT OR REPLACE INTO team_keys VALUES (?, ?, ?)", (slug, digest(key), time.time()))
+            connection.execute("DELETE FROM sessions WHERE team = ?", (slug,))
         return key
 
     def has(self, slug: str) -> bool:
-        """Has the team a key?"""
-        return slug in self._hashes
+        """Has this team a key?"""
+        return self._file.row("SELECT 1 FROM team_keys WHERE team = ?", slug) is not None
 
     def forget(self, slug: str) -> None:
-        """Delete a team's key."""
-        self._hashes.pop(slug, None)
+        """Withdraw a team's key, and end what was opened with it."""
+        with self._file.writing() as connection:
+            connection.execute("DELETE FROM team_keys WHERE team = ?", (slug,))
+            connection.execute("DELETE FROM sessions WHERE team = ?", (slug,))
+
+    def team_of(self, key: str) -> str | None:
+        """The team whose key this is; None: nobody's."""
+        computed = digest(key)
+        row = self._file.row("SELECT team, hash FROM team_keys WHERE hash = ?", computed)
+        return str(row[0]) if row and is_same(row[1], computed) else None

@@ -174,7 +174,7 @@ def _jpeg_size(data: bytes) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def test_unknown_paths_are_problems(http: httpx.Client) -> None:
+def test_unknown_paths_are_problems(http: httpx.Client, service: FakeService) -> None:
     for path in (
         "/nothing",
         "/web/nothing.js",
@@ -186,7 +186,7 @@ def test_unknown_paths_are_problems(http: httpx.Client) -> None:
         assert response.status_code == 404, path
         assert response.headers["content-type"] == MEDIA_TYPE
         assert response.json()["status"] == 404
-    assert http.post("/api/v1/status").json()["title"] == "Method Not Allowed"
+    assert http.post("/api/v1/status", headers=service.operator).json()["title"] == "Method Not Allowed"
 
 
 def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
@@ -225,3 +225,16 @@ def test_heartbeat(http: httpx.Client, service: FakeService) -> None:
     info = reader.value(service.clock.now())
     assert info.note == "0 pages open"
     assert (info.process, info.trigger, info.policy, info.refusals, info.missed) == ("web", "none", "ordinary", (), 0)
+
+
+def test_head_is_get_without_a_body(http: httpx.Client) -> None:
+    for path in ("/", "/healthz", "/api/v1/field", "/metrics"):
+        head, get = http.head(path), http.get(path)
+        assert (head.status_code, head.content) == (200, b""), path
+        assert head.headers["content-type"] == get.headers["content-type"]
+
+
+def test_what_a_stranger_sent_is_repeated_in_few_words(http: httpx.Client) -> None:
+    answer = http.get(f"/{'x' * 20_000}")
+    assert answer.status_code == 404
+    assert len(answer.content) < 500

@@ -29,7 +29,7 @@ def service() -> Iterator[FakeService]:
 def http(service: FakeService) -> Iterator[httpx.Client]:
     server = PageServer(service)
     server.start()
-    with httpx.Client(base_url=f"http://{server.address}{API}") as client:
+    with httpx.Client(base_url=f"http://{server.address}{API}", headers=service.operator) as client:
         wait_for(lambda: httpx.get(f"http://{server.address}/healthz").status_code == 200)
         yield client
     server.stop()
