@@ -37,7 +37,7 @@ OWN_LOOP_S = 0.8
 """Added for a process with a loop of its own, which writes fewer heartbeats."""
 SHORT_RUN_S = 1.0
 """Every real-time task may compute for this long, whatever its period and budget are."""
-BACKLOG = 128
+BACKLOG = 16
 ROOM_FOR_ADDRESSES = 1024
 """Left in the service's record beside the settings [bytes]."""
 

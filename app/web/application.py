@@ -18,6 +18,7 @@ from app.web.blackboard import Blackboard
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.housekeeping import keep_house
 from app.web.configuration.task_changes import TaskChanges
+from app.web.connections import OperatorAddresses
 from app.web.health.log import watch_health
 from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
@@ -25,6 +26,7 @@ from app.web.live.connection import POLICY_VIOLATION, Live
 from app.web.middleware.gate import Gate
 from app.web.middleware.head import HeadLikeGet
 from app.web.middleware.security_headers import SecurityHeaders, is_same_origin
+from app.web.middleware.under_way import RequestsUnderWay
 from app.web.problems import install_problems
 from app.web.restart import RestartRequests
 from app.web.routes.api import api_routes
@@ -88,8 +90,14 @@ def create_app(store: Store) -> FastAPI:
         docs_url=None,  # FastAPI's page loads scripts from the internet; ours does not
         redoc_url=None,
     )
+    app.state.operators = operators = OperatorAddresses()
+    app.add_middleware(RequestsUnderWay)
     app.add_middleware(
-        Gate, people=people, hosts=service.settings.server.hosts, viewers=service.settings.server.viewers
+        Gate,
+        people=people,
+        hosts=service.settings.server.hosts,
+        viewers=service.settings.server.viewers,
+        operators=operators,
     )
     app.add_middleware(HeadLikeGet)
     app.add_middleware(SecurityHeaders)

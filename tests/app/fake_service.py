@@ -20,6 +20,7 @@ from msgspec import to_builtins
 
 from app.web.application import create_app
 from app.web.auth.people import People
+from app.web.server import server_config
 from tests.app.fake_picture import FakePicture, Pose
 from tests.app.fake_tasks import (
     SPARES,
@@ -255,10 +256,7 @@ class PageServer:
     def __init__(self, service: FakeService, port: int = 0) -> None:
         self._listener = socket.create_server(("127.0.0.1", port))
         self.address = f"127.0.0.1:{self._listener.getsockname()[1]}"
-        config = uvicorn.Config(
-            create_app(service.store), log_level="warning", access_log=False, lifespan="on", timeout_graceful_shutdown=1
-        )
-        self._server = uvicorn.Server(config)
+        self._server = uvicorn.Server(server_config(create_app(service.store)))
         self._thread = threading.Thread(target=self._server.run, args=([self._listener],), daemon=True)
 
     def start(self) -> None:

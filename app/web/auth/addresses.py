@@ -3,22 +3,37 @@
 import socket
 from collections.abc import Iterable
 from functools import cache
-from ipaddress import IPv6Address, ip_address
+from ipaddress import IPv6Address, ip_address, ip_network
 
 from starlette.types import Scope
+
+IPV6_SHARE = 64
+"""Bits of an address that are common to what one machine may give itself."""
 
 
 def address_of(scope: Scope) -> str:
     """The client's address; an IPv4 address inside an IPv6 one is told as what it is."""
     client = scope.get("client")
-    if client is None:
-        return "unknown"
+    return plain_address(str(client[0])) if client else "unknown"
+
+
+def plain_address(host: str) -> str:
+    """An address; what is none stays as it is."""
     try:
-        address = ip_address(client[0])
+        address = ip_address(host)
     except ValueError:
-        return str(client[0])
+        return host
     mapped = address.ipv4_mapped if isinstance(address, IPv6Address) else None
     return str(mapped or address)
+
+
+def share_of(host: str) -> str:
+    """Whose share of something limited an address takes: its own, or that of its IPv6 network."""
+    plain = plain_address(host).partition("%")[0]
+    try:
+        return str(ip_network(f"{plain}/{IPV6_SHARE}", strict=False)) if ":" in plain else plain
+    except ValueError:
+        return plain
 
 
 def is_our_name(host: str, further: Iterable[str]) -> bool:

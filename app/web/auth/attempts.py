@@ -4,7 +4,6 @@ Only its own failures keep an address out. So whoever guesses from elsewhere can
 strangers together can try is bounded by hashing, two passwords at a time.
 """
 
-import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -48,7 +47,7 @@ class Attempts:
         own = self._addresses.get(address)
         left = own.now(now, FORGET_ONE_S) if own else 0.0
         tries = TRIES if self._overall.now(now, OVERALL_FORGET_ONE_S) < OVERALL else TRIES_UNDER_ATTACK
-        return max(math.floor(left) - tries + 1, 0) and (left - tries + 1.0) * FORGET_ONE_S
+        return max(left - (tries - 1), 0.0) * FORGET_ONE_S
 
     def begin(self, address: str) -> None:
         """A try begins: until it has succeeded it counts as a failure, so that many at once gain nothing."""

@@ -16,7 +16,10 @@ from contextlib import asynccontextmanager
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from app.web.auth.addresses import address_of, share_of
+from app.web.auth.identity import Role, identity_of
 from app.web.blackboard import Blackboard
+from app.web.closing import close
 from app.web.health.monitor import HealthMonitor
 from app.web.live.messages import PICTURE, STATE, TOPICS, LiveMessages, Message
 from vision_core.clock import seconds_between
@@ -25,7 +28,11 @@ from vision_core.scheduling.releases import RAN, Grid
 
 RATE_HZ = 15.0
 PATIENCE_S = 5.0
-MAX_PAGES = 20
+MAX_PAGES = 40
+FOR_OPERATORS = 8
+"""More pages, of operators: however many strangers look, the operator finds room."""
+PER_ADDRESS = 24
+"""Pages of one address that is not the operator's."""
 TRY_LATER = 1013
 POLICY_VIOLATION = 1008
 USUAL = f"{PICTURE},{STATE}"
@@ -70,10 +77,10 @@ class Live:
         await page.accept()
         asked = page.query_params.get("topics", USUAL).split(",")
         if not set(asked) <= set(TOPICS):
-            await page.close(POLICY_VIOLATION, f"topics; found: {','.join(asked)[:40]}; accepted: {','.join(TOPICS)}")
+            await close(page, POLICY_VIOLATION, f"topics; found: {','.join(asked)[:40]}; accepted: {','.join(TOPICS)}")
             return
-        if self.pages >= MAX_PAGES:
-            await page.close(TRY_LATER, f"{MAX_PAGES} pages are open already; close one of them")
+        if reason := self._no_room(page):
+            await close(page, TRY_LATER, reason)
             return
         self._messages.forget(set(TOPICS) - self._subscribed())
         self._pages[page] = tuple(topic for topic in TOPICS if topic in asked)
@@ -83,11 +90,22 @@ class Live:
         except WebSocketDisconnect:
             pass
         except TimeoutError as stuck:
-            await page.close(POLICY_VIOLATION, str(stuck))
+            await close(page, POLICY_VIOLATION, str(stuck))
         finally:
             del self._pages[page]
             if not self._pages:
                 self._watched.clear()
+
+    def _no_room(self, page: WebSocket) -> str:
+        """Why one more page has no room; empty when it has."""
+        is_operator = identity_of(page).role is Role.OPERATOR
+        if self.pages >= MAX_PAGES + (FOR_OPERATORS if is_operator else 0):
+            return f"{MAX_PAGES} pages are open already; close one of them"
+        share = share_of(address_of(page.scope))
+        held = sum(share_of(address_of(each.scope)) == share for each in self._pages)
+        if held >= PER_ADDRESS and not is_operator:
+            return f"{PER_ADDRESS} pages of your address are open already; close one of them"
+        return ""
 
     def _subscribed(self) -> set[str]:
         """Topics of all open pages."""

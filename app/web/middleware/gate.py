@@ -14,10 +14,11 @@ from starlette.datastructures import Headers
 from starlette.requests import Request
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.web.auth.addresses import is_our_name
+from app.web.auth.addresses import address_of, is_our_name
 from app.web.auth.identity import ANYBODY, SCOPE_KEY, Identity, Role
 from app.web.auth.people import People
 from app.web.auth.rules import READING, Need, need_of
+from app.web.connections import OperatorAddresses
 from app.web.middleware.security_headers import is_same_origin
 from app.web.problems import cut, problem_response
 
@@ -39,12 +40,15 @@ def cookie_name(scope: Scope) -> str:
 class Gate:
     """Middleware that lets through who may."""
 
-    def __init__(self, app: ASGIApp, people: People, hosts: Sequence[str], viewers: str) -> None:
-        """hosts: further names of this server; viewers: "open" or "closed"."""
+    def __init__(
+        self, app: ASGIApp, people: People, hosts: Sequence[str], viewers: str, operators: OperatorAddresses
+    ) -> None:
+        """hosts: further names of this server; viewers: "open" or "closed"; operators: is told their addresses."""
         self._app = app
         self._people = people
         self._hosts = hosts
         self._viewers_are_open = viewers == "open"
+        self._operators = operators
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -55,6 +59,8 @@ class Gate:
         refusal = self._foreign(headers, method, scope)
         if refusal is None:
             scope[SCOPE_KEY] = identity = await self._identity(headers, scope)
+            if identity.role is Role.OPERATOR:
+                self._operators.note(address_of(scope))
             refusal = self._forbidden(identity, need_of(method, scope["path"]))
         if refusal is None:
             await self._app(scope, receive, send)

@@ -1,6 +1,6 @@
 """Protection against foreign pages: headers on every answer, and a check of the origin of WebSockets."""
 
-from urllib.parse import urlsplit
+from urllib.parse import urlsplit, urlunsplit
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -28,9 +28,17 @@ class SecurityHeaders:
                 headers = MutableHeaders(scope=message)
                 for name, value in HEADERS.items():
                     headers.setdefault(name, value)
+                if location := headers.get("location"):
+                    headers["location"] = _relative(location)
             await send(message)
 
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
+
+
+def _relative(location: str) -> str:
+    """A redirect stays on this host: it is told without a host, which a request could have made up."""
+    parts = urlsplit(location)
+    return urlunsplit(("", "", f"/{parts.path.lstrip('/')}", parts.query, parts.fragment))
 
 
 def is_same_origin(origin: str | None, host: str | None) -> bool:

@@ -7,6 +7,7 @@ from fastapi import APIRouter, HTTPException, Response
 from msgspec import structs
 
 from app.web.blackboard import Blackboard
+from app.web.cached import Cached
 from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
 from app.web.problems import MEDIA_TYPE, ProblemDetails
@@ -16,6 +17,8 @@ from vision_core.native.opencv import encode_jpeg
 from vision_core.settings.schema import MatchSettings
 
 SNAPSHOT_QUALITY = 92
+STATUS_EVERY_S = 0.1
+"""A status is at most so old."""
 
 
 def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Configuration) -> APIRouter:
@@ -23,11 +26,16 @@ def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Co
     router = APIRouter(prefix="/api/v1", tags=["service"])
     service = blackboard.service
 
-    @router.get("/status")
-    async def status() -> Status:
-        """The whole service at this instant: state, cameras, clients, lags, processes."""
+    def status_now() -> bytes:
         snapshot = blackboard.read()
-        return status_from(snapshot, monitor.judge(snapshot))
+        return status_from(snapshot, monitor.judge(snapshot)).model_dump_json().encode()
+
+    newest_status = Cached(status_now, STATUS_EVERY_S)
+
+    @router.get("/status", response_model=Status)
+    async def status() -> Response:
+        """The whole service at this instant: state, cameras, clients, lags, processes."""
+        return Response(await newest_status.get(), media_type="application/json")
 
     @lru_cache(maxsize=4)
     def field_of(match: MatchSettings) -> Field:

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 from pydantic import ConfigDict, Field
 
-from app.web.auth.addresses import address_of
+from app.web.auth.addresses import address_of, share_of
 from app.web.auth.attempts import Attempts
 from app.web.auth.audit import Kind
 from app.web.auth.hashing import MAX_SECRET
@@ -73,10 +73,11 @@ def login_routes(people: People, configuration: Configuration) -> APIRouter:
     async def login(login: Login, request: Request) -> Response:
         """Opens a session by a password, PIN, first-run token or team's key; answers with its cookie."""
         address = address_of(request.scope)
-        wait_s = attempts.wait_s(address)
+        share = share_of(address)
+        wait_s = attempts.wait_s(share)
         if wait_s > 0.0 or len(waiting) >= MAX_WAITING:
             return _too_often(request, wait_s or 1.0)
-        attempts.begin(address)
+        attempts.begin(share)
         ticket = object()
         waiting.add(ticket)
         try:
@@ -95,7 +96,7 @@ def login_routes(people: People, configuration: Configuration) -> APIRouter:
                 accepted="the operator's or viewers' password or PIN, or a team's key",
                 field="secret",
             )
-        attempts.succeeded(address)
+        attempts.succeeded(share)
         secret = await asyncio.to_thread(people.open_session, found)
         await asyncio.to_thread(people.audit.note, Kind.LOGIN, found.name, address, f"log in as {found.role.value}")
         answer = JSONResponse(me_of(found).model_dump(mode="json"))
@@ -105,7 +106,7 @@ def login_routes(people: People, configuration: Configuration) -> APIRouter:
             max_age=7 * DAY_S,
             httponly=True,
             samesite="strict",
-            secure=request.url.scheme == "https",
+            secure=request.headers.get("origin", "").startswith("https://"),  # behind a proxy we see http
         )
         return answer
 

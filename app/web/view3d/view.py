@@ -12,7 +12,9 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
+from app.web.auth.identity import Role, identity_of
 from app.web.blackboard import Blackboard
+from app.web.closing import close
 from vision_core.rtdb import records
 
 if TYPE_CHECKING:
@@ -26,7 +28,9 @@ MAX_MESSAGE = 64 * 1024
 MAX_MESSAGES_PER_S = 200.0
 SHARE = b"ShareUrl"
 """Part of the messages by which viser would open a tunnel through a server in the internet; they are dropped."""
-TRY_LATER, POLICY_VIOLATION = 1013, 1008
+NORMAL, TRY_LATER, POLICY_VIOLATION = 1000, 1013, 1008
+FOR_OPERATORS = 2
+"""More viewers, who are operators."""
 
 
 class View3D:
@@ -58,9 +62,10 @@ class View3D:
 
     async def relay(self, page: WebSocket) -> None:
         """Connect a browser with viser until one of them ends the connection."""
-        if self._viewers >= MAX_VIEWERS:
+        is_operator = identity_of(page).role is Role.OPERATOR
+        if self._viewers >= MAX_VIEWERS + (FOR_OPERATORS if is_operator else 0):
             await page.accept()
-            await page.close(TRY_LATER, f"{MAX_VIEWERS} people look at the 3D view already")
+            await close(page, TRY_LATER, f"{MAX_VIEWERS} people look at the 3D view already")
             return
         self._viewers += 1
         self._watched.set()
@@ -68,7 +73,7 @@ class View3D:
             server = await self._started()
             if server.protocol not in page.scope.get("subprotocols", ()):
                 await page.accept()
-                await page.close(POLICY_VIOLATION, f"accepted: the page of this service, with {server.protocol}")
+                await close(page, POLICY_VIOLATION, f"accepted: the page of this service, with {server.protocol}")
                 return
             await _relay(page, server)
         finally:
@@ -122,8 +127,7 @@ async def _relay(page: WebSocket, server: "GuardedServer") -> None:
         await asyncio.gather(*open_ways, return_exceptions=True)
         for way in done:
             way.result()
-    with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser has ended it
-        await page.close()
+    await close(page, NORMAL)
 
 
 async def _to_viser(page: WebSocket, inner: ClientConnection) -> None:
