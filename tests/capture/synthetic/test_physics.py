@@ -5,7 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from vision_core.capture.synthetic.physics import REBOUND_WALL, ROLLING_M_S2, STEP_S, holds_ball, move, no_bodies
+from vision_core.capture.synthetic.physics import (
+    RESTITUTION_WALL,
+    ROLLING_DECELERATION_M_S2,
+    STEP_S,
+    holds_ball,
+    move,
+    no_bodies,
+)
 from vision_core.geometry import Floats
 
 RADII = np.array([0.09, 0.021])
@@ -14,10 +21,10 @@ WALL = np.array([[1.0, -2.0, 1.0, 2.0]])
 NO_SOLIDS = np.empty((0, 4))
 
 
-def roll(robots: Floats, ball: Floats, solids: Floats, duration_s: float, wishes: Floats | None = None) -> None:
+def roll(robots: Floats, ball: Floats, solids: Floats, duration_s: float, commands: Floats | None = None) -> None:
     move(
         robots,
-        np.zeros((len(robots), 3)) if wishes is None else wishes,
+        np.zeros((len(robots), 3)) if commands is None else commands,
         ball,
         solids,
         HALF,
@@ -36,26 +43,26 @@ def test_a_ball_rolls_until_friction_has_stopped_it() -> None:
     ball = body(0.0, 0.0, 0.0, 0.7, 0.0)
     roll(no_bodies(0), ball, NO_SOLIDS, 5.0)
     assert ball[3] == 0.0
-    assert ball[0] == pytest.approx(0.7**2 / (2.0 * ROLLING_M_S2), rel=0.02)
+    assert ball[0] == pytest.approx(0.7**2 / (2.0 * ROLLING_DECELERATION_M_S2), rel=0.02)
 
 
 @pytest.mark.parametrize("speed", [0.5, 3.5, 8.0])
-def test_a_wall_returns_the_ball_with_a_share_of_its_speed(speed: float) -> None:
+def test_a_ball_bounces_off_a_wall_with_the_coefficient_of_restitution(speed: float) -> None:
     ball = body(0.9, 0.0, 0.0, speed, 0.3)
     roll(no_bodies(0), ball, WALL, 0.2)
     assert ball[0] < 1.0
-    assert ball[3] == pytest.approx(-REBOUND_WALL * speed, abs=0.2)
+    assert ball[3] == pytest.approx(-RESTITUTION_WALL * speed, abs=0.2)
     assert ball[4] > 0.2
 
 
 def test_two_robots_that_meet_stop_where_they_touch() -> None:
     robots = np.array([body(-0.5, 0.0), body(0.5, 0.0)])
-    wishes = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
-    roll(robots, body(0.0, 1.5), NO_SOLIDS, 2.0, wishes)
+    commands = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+    roll(robots, body(0.0, 1.5), NO_SOLIDS, 2.0, commands)
     assert math.dist(robots[0, :2], robots[1, :2]) == pytest.approx(0.18, abs=0.005)
 
 
-def test_the_front_takes_the_ball_along_and_the_back_does_not() -> None:
+def test_the_dribbler_holds_the_ball_and_the_back_does_not() -> None:
     robots = np.array([body(0.0, 0.0)])
     for start, held in ((0.09, True), (-0.115, False)):
         robots[:] = body(0.0, 0.0)

@@ -1,4 +1,4 @@
-"""The image of the empty venue, where every ray meets the floor, and how much light each pixel gets."""
+"""Renders the static background: the image of the empty venue, each pixel's point on the floor, each pixel's light."""
 
 import math
 from dataclasses import dataclass
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.capture.synthetic.floor import (
+    CLUTTER_COLUMNS,
     COLORS,
     DISC,
     NOTHING,
     RECTANGLE,
-    THING_COLUMNS,
     FloatImage,
     Venue,
     color_floor,
@@ -23,26 +23,29 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent, field_lines, goal_line_x
 from vision_core.settings.schema import FieldSettings, Settings, SyntheticSettings
 
-RAY_STEP = 4
-"""Pixels between rays that are worked out in full."""
-BOARD_M = 0.025
+RAY_STEP_PX = 4
+"""Lens distortion is removed at every fourth pixel; the points on the floor between are interpolated."""
+BOARD_THICKNESS_M = 0.025
 """Thickness of walls and goals."""
 GOAL_HEIGHT_M = 0.16
-"""Of goals on a field without walls; with walls they are as high as these."""
-CARPET_BEYOND_M = 0.1
-"""A field without walls lies on a carpet that goes on so far beyond its limit."""
-BESIDE_M = 0.5
-"""Clutter lies up to so far beside the field."""
-CLUTTER = 60
-DECOYS_BGR = ((30, 110, 245), (190, 70, 235), (200, 95, 25), (45, 205, 230), (90, 215, 70))
-DULL_BGR = ((45, 38, 36), (70, 66, 60), (150, 150, 148), (40, 52, 88), (96, 72, 52), (205, 205, 200))
-LAMPS_M = 1.6
-"""Distance over which the light of the lamps rises and falls."""
+"""Height of the goals on a field without walls. On a field with walls, goals are as high as the walls."""
+CARPET_MARGIN_M = 0.1
+"""The carpet of a field without walls extends so far beyond the field's limit."""
+CLUTTER_MARGIN_M = 0.5
+"""Clutter lies at most so far outside the field."""
+CLUTTER_COUNT = 60
+"""Items of clutter."""
+DECOY_COLORS_BGR = ((30, 110, 245), (190, 70, 235), (200, 95, 25), (45, 205, 230), (90, 215, 70))
+"""Colors of clutter that resemble the ball and the patches of markers."""
+DULL_COLORS_BGR = ((45, 38, 36), (70, 66, 60), (150, 150, 148), (40, 52, 88), (96, 72, 52), (205, 205, 200))
+"""Colors of bags and boxes."""
+LAMP_HALF_PERIOD_M = 1.6
+"""Half a period of the pattern of light that the lamps make on the floor."""
 
 
 @dataclass(frozen=True, slots=True)
 class Background:
-    """What stands still before one camera."""
+    """What one camera sees of the empty venue."""
 
     pixels: Bytes
     """Shape (height, width, 3), without noise."""
@@ -52,19 +55,19 @@ class Background:
     """Factor for every color, shape (height, width)."""
 
 
-_newest: list[tuple[object, Background]] = []
-"""The background that was made last, and for what: a spare that becomes the source has it already."""
+_cached: list[tuple[object, Background]] = []
+"""The background that was made last, with its camera and settings: a spare renders it before it becomes the source."""
 
 
 def make_background(settings: Settings, camera: CameraSetup) -> Background:
-    """Render the empty venue, once in a process. The arrays are read-only."""
-    wanted = camera, settings.field, settings.synthetic
-    if not _newest or _newest[0][0] != wanted:
-        _newest[:] = [(wanted, _painted(settings, camera))]
-    return _newest[0][1]
+    """Render the empty venue, or return the last background when nothing has changed. Arrays are read-only."""
+    key = camera, settings.field, settings.synthetic
+    if not _cached or _cached[0][0] != key:
+        _cached[:] = [(key, _render_background(settings, camera))]
+    return _cached[0][1]
 
 
-def _painted(settings: Settings, camera: CameraSetup) -> Background:
+def _render_background(settings: Settings, camera: CameraSetup) -> Background:
     width, height = camera.size_px
     floor = _floor_points(camera.model, width, height)
     light = _light(settings.synthetic, floor[1:-1, 1:-1])
@@ -88,93 +91,100 @@ def _painted(settings: Settings, camera: CameraSetup) -> Background:
 def _floor_points(camera: CameraModel, width: int, height: int) -> FloatImage:
     """Where the rays of pixels -1 .. width, -1 .. height meet the floor.
 
-    Removing the lens distortion is an iteration; done at every fourth pixel it is off by less than 0.01 mm
-    between, and takes a sixteenth of the time.
+    Removing the lens distortion is iterative and slow. It is done at every fourth row and column, which takes a
+    sixteenth of the time; the error of the interpolated points is less than 0.01 mm.
     """
-    v, u = np.mgrid[-1 : height + 1 + RAY_STEP : RAY_STEP, -1 : width + 1 + RAY_STEP : RAY_STEP]
+    v, u = np.mgrid[-1 : height + 1 + RAY_STEP_PX : RAY_STEP_PX, -1 : width + 1 + RAY_STEP_PX : RAY_STEP_PX]
     grid = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
     floor = np.empty((height + 2, width + 2, 2), dtype=np.float32)
-    spread(camera.field_from_pixel(grid).reshape(*u.shape, 2), RAY_STEP, floor)
+    spread(camera.field_from_pixel(grid).reshape(*u.shape, 2), RAY_STEP_PX, floor)
     return floor
 
 
 def _venue(settings: Settings) -> Venue:
     field = settings.field
     half_x, half_y = accepted_half_extent(field)
-    beyond = 0.0 if field.walls else CARPET_BEYOND_M
+    margin = 0.0 if field.walls else CARPET_MARGIN_M
     return Venue(
         half_x=half_x,
         half_y=half_y,
         corner_cut=field.corner_cut_m,
         walls=field.walls,
         height=field.wall_height_m if field.walls else GOAL_HEIGHT_M,
-        thickness=BOARD_M,
+        thickness=BOARD_THICKNESS_M,
         goal_x=goal_line_x(field),
         goal_half=field.goal.width_m / 2.0,
         goal_depth=field.goal.depth_m,
-        carpet_x=half_x + beyond,
-        carpet_y=half_y + beyond,
+        carpet_x=half_x + margin,
+        carpet_y=half_y + margin,
         line_half=field.line_width_m / 2.0,
         shadows=settings.synthetic.shadows,
     )
 
 
 def _light(synthetic: SyntheticSettings, floor: FloatImage) -> FloatImage:
-    """Brightness, vignetting (falls with the square of the distance from the middle) and lamps over the floor."""
+    """Factor of each pixel's light: brightness, vignetting (by the squared distance from the center) and lamps."""
     height, width, _ = floor.shape
     v, u = np.mgrid[0:height, 0:width]
-    off = ((u - (width - 1) / 2.0) ** 2 + (v - (height - 1) / 2.0) ** 2) / ((width**2 + height**2) / 4.0)
-    place = np.nan_to_num(floor)
-    lamps = np.sin(place[..., 0] / LAMPS_M * math.pi + 0.8) * np.cos(place[..., 1] / LAMPS_M * math.pi - 0.6)
-    lens = synthetic.brightness * (1.0 - synthetic.vignetting * off)
+    radius2 = ((u - (width - 1) / 2.0) ** 2 + (v - (height - 1) / 2.0) ** 2) / ((width**2 + height**2) / 4.0)
+    point = np.nan_to_num(floor)
+    lamps = np.sin(point[..., 0] / LAMP_HALF_PERIOD_M * math.pi + 0.8) * np.cos(
+        point[..., 1] / LAMP_HALF_PERIOD_M * math.pi - 0.6
+    )
+    lens = synthetic.brightness * (1.0 - synthetic.vignetting * radius2)
     return np.asarray(lens * (1.0 + 0.5 * synthetic.uneven_light * lamps), dtype=np.float32)
 
 
 def _clutter(settings: Settings, venue: Venue) -> Floats:
-    """Bags, cups, cables and things in the markers' colors on the floor beside the field; shape (k, 10)."""
+    """Bags, cups, cables and dots in the markers' colors on the floor beside the field; shape (k, 10)."""
     if not settings.synthetic.clutter:
-        return np.empty((0, THING_COLUMNS))
+        return np.empty((0, CLUTTER_COLUMNS))
     rng = np.random.default_rng([settings.synthetic.seed, 3])
-    things: list[tuple[float, ...]] = []
-    for number in range(CLUTTER):
-        x, y = _place_beside(rng, settings.field, venue)
+    rows: list[tuple[float, ...]] = []
+    for number in range(CLUTTER_COUNT):
+        x, y = _point_beside_field(rng, settings.field, venue)
         angle = rng.uniform(0.0, math.pi)
         match number % 4:
-            case 0:
+            case 0:  # a bag
                 size = rng.uniform(0.05, 0.16), rng.uniform(0.04, 0.10)
-                things.append(_thing(RECTANGLE, x, y, angle, *size, DULL_BGR[rng.integers(len(DULL_BGR))]))
-            case 1:
-                things.append(_thing(DISC, x, y, 0.0, 0.04, 0.04, (215, 218, 216)))
-                things.append(_thing(DISC, x, y, 0.0, 0.033, 0.033, (40, 58, 82)))
-            case 2:
+                rows.append(
+                    _clutter_row(RECTANGLE, x, y, angle, *size, DULL_COLORS_BGR[rng.integers(len(DULL_COLORS_BGR))])
+                )
+            case 1:  # a cup, full
+                rows.append(_clutter_row(DISC, x, y, 0.0, 0.04, 0.04, (215, 218, 216)))
+                rows.append(_clutter_row(DISC, x, y, 0.0, 0.033, 0.033, (40, 58, 82)))
+            case 2:  # a decoy in a marker's color
                 radius = rng.uniform(0.012, 0.03)
-                things.append(_thing(DISC, x, y, 0.0, radius, radius, DECOYS_BGR[rng.integers(len(DECOYS_BGR))]))
+                rows.append(
+                    _clutter_row(DISC, x, y, 0.0, radius, radius, DECOY_COLORS_BGR[rng.integers(len(DECOY_COLORS_BGR))])
+                )
             case _:
-                things += _cable(rng, x, y, angle)
-    return np.array(things)
+                rows += _cable(rng, x, y, angle)
+    return np.array(rows)
 
 
-def _place_beside(rng: np.random.Generator, field: FieldSettings, venue: Venue) -> tuple[float, float]:
-    """A place outside the walls (or the limit) and the goals."""
-    most = np.array(accepted_half_extent(field)) + BESIDE_M
+def _point_beside_field(rng: np.random.Generator, field: FieldSettings, venue: Venue) -> tuple[float, float]:
+    """A random point on the floor outside the carpet, the walls and the goals."""
+    limit = np.array(accepted_half_extent(field)) + CLUTTER_MARGIN_M
     while True:
-        x, y = rng.uniform(-most, most).tolist()
-        outside = abs(x) > venue.carpet_x + 2.0 * BOARD_M or abs(y) > venue.carpet_y + 2.0 * BOARD_M
+        x, y = rng.uniform(-limit, limit).tolist()
+        outside = abs(x) > venue.carpet_x + 2.0 * BOARD_THICKNESS_M or abs(y) > venue.carpet_y + 2.0 * BOARD_THICKNESS_M
         if outside and solid_at(venue, x, y) == NOTHING:
             return x, y
 
 
 def _cable(rng: np.random.Generator, x: float, y: float, angle: float) -> list[tuple[float, ...]]:
+    """A cable: 16 short straight pieces that bend at random."""
     pieces = []
     for _ in range(16):
         half_x, half_y = 0.02 * math.cos(angle), 0.02 * math.sin(angle)
-        pieces.append(_thing(RECTANGLE, x + half_x, y + half_y, angle, 0.022, 0.004, (26, 24, 24)))
+        pieces.append(_clutter_row(RECTANGLE, x + half_x, y + half_y, angle, 0.022, 0.004, (26, 24, 24)))
         x, y = x + 2.0 * half_x, y + 2.0 * half_y
         angle += rng.normal(0.0, 0.25)
     return pieces
 
 
-def _thing(
+def _clutter_row(
     kind: int, x: float, y: float, angle: float, half_length: float, half_width: float, bgr: tuple[int, int, int]
 ) -> tuple[float, ...]:  # fmt: skip
     return (kind, x, y, math.cos(angle), math.sin(angle), half_length, half_width, *bgr)

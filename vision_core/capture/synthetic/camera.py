@@ -14,14 +14,14 @@ from vision_core.settings.schema import Settings
 from vision_core.timing.rate_keeper import Keeper, rate_keeper
 
 MAX_LEAP_S = 1.0
-"""Longest time by which the world advances between two images: after a pause of the machine the match goes on."""
+"""The world advances by at most this time between two images: after a pause of the machine the match goes on."""
 
 
 class SyntheticCamera:
     """Renders a simulated match at the camera's rate. Implements PlayedSource.
 
-    The match starts with the first image; time passes in skipped periods as well. Raises SourceError when the settings
-    describe no lens, or give robots an id that the pattern lacks.
+    The match starts with the first image and advances through skipped periods, too. Raises SourceError when the camera
+    model is no pinhole, or the pattern has no marker for a robot's id.
     """
 
     repeats = False
@@ -55,13 +55,13 @@ class SyntheticCamera:
         return truth_of(instant, scene, self._world.robots_worn, self._camera, self._settings)
 
     def prepare(self) -> None:
-        """Render the background, and compile or load the kernels."""
+        """Render the background; compile the kernels or load them from their cache."""
         self._renderer.draw(self._camera.black_image(), self._world.snapshot())
 
     def grab(self, pixels: Bytes) -> Instant:
         """Render the next image, as ``ImageSource.grab``; the instant is the middle of its exposure.
 
-        It is rendered before its instant and delivered then: the time of rendering does not appear in the lags.
+        The image is rendered before its instant and delivered at it, so that lags do not contain the time of rendering.
         """
         renderer = self._renderer
         instant = self.keeper.choose()

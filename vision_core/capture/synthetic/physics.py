@@ -1,6 +1,6 @@
-"""Bodies on the floor: kernels that move robots and ball by one small step after the other.
+"""Rigid-body dynamics in the plane: kernels that move robots and ball in small fixed time steps.
 
-A body is a row x, y, heading, vx, vy, turn [m, rad, m/s, rad/s]; the ball is one too.
+A body is a row x, y, heading, vx, vy, turn rate [m, rad, m/s, rad/s]. The ball is a body, too.
 """
 
 import math
@@ -11,91 +11,98 @@ from vision_core.geometry import Floats
 from vision_core.native.angles import wrap_angle
 from vision_core.native.kernels import kernel
 
-X, Y, HEADING, VX, VY, TURN = range(6)
+X, Y, HEADING, VX, VY, TURN_RATE = range(6)
 COLUMNS = 6
 
 STEP_S = 0.005
 ROBOT_ACCELERATION_M_S2 = 3.0
 TURN_ACCELERATION_RAD_S2 = 40.0
-ROLLING_M_S2 = 0.35
-"""A ball on carpet loses this much speed every second."""
-REBOUND_WALL = 0.6
-REBOUND_ROBOT = 0.4
-PASSES = 4
-"""Bodies pushed apart may push others: so often this is done again."""
+ROLLING_DECELERATION_M_S2 = 0.35
+"""Deceleration of a ball that rolls on carpet."""
+RESTITUTION_WALL = 0.6
+"""Coefficient of restitution: the part of its normal speed that the ball keeps when it bounces off."""
+RESTITUTION_ROBOT = 0.4
+ITERATIONS = 4
+"""Times that contacts are resolved in each step: a body that is pushed out of one may be pushed into another."""
 
-FRONT = 0.055 / 0.09
-"""A robot's flat front, in radii from its center."""
+FRONT_RADII = 0.055 / 0.09
+"""Distance of a robot's flat front from its center, in radii."""
 DRIBBLER_M = 0.012
-"""The roller sticks out this far from the front, and there the ball rests."""
-MOUTH = 0.5
-"""Half width of the dribbler, in radii."""
+"""The dribbler's roller stands out this far from the front; a dribbled ball rests against it."""
+DRIBBLER_HALF_WIDTH = 0.5
+"""Half width of the dribbler, in radii of the robot."""
 GRIP_PER_S = 15.0
-"""How quickly a dribbled ball takes on the robot's own motion."""
-GRIP_REACH_M = 0.006
+"""Rate at which a dribbled ball's velocity approaches that of the dribbler."""
+GRIP_RANGE_M = 0.006
+"""The dribbler grips a ball up to this far from it."""
 
 
 @kernel
 def move(
-    robots: Floats, wishes: Floats, ball: Floats, solids: Floats, half: Floats, radii: Floats, steps: int
+    robots: Floats, commands: Floats, ball: Floats, solids: Floats, half: Floats, radii: Floats, steps: int
 ) -> None:  # fmt: skip
     """Move everything by a number of steps, in place.
 
-    robots: shape (n, 6); wishes: velocities and turns that the robots want, shape (n, 3); ball: shape (6,);
+    robots: shape (n, 6); commands: velocity and turn rate that each robot shall have, shape (n, 3); ball: shape (6,);
     solids: walls and goals x1, y1, x2, y2, shape (m, 4); half: half length and width of the area that robots
-    keep to, shape (2,); radii: of robots and ball, shape (2,).
+    may not leave, shape (2,); radii: of robots and ball, shape (2,).
     """
     for _ in range(steps):
+        # move every body freely
         x, y = ball[X], ball[Y]
         for i in range(len(robots)):
-            _steer(robots[i], wishes[i])
+            _steer(robots[i], commands[i])
             _advance(robots[i])
-        _roll(ball)
+        _slow_rolling_ball(ball)
         _advance(ball)
-        for _ in range(PASSES):
-            _part(robots, radii[0])
+        # resolve contacts, several times since each may cause another
+        for _ in range(ITERATIONS):
+            _separate(robots, radii[0])
             for i in range(len(robots)):
-                _touch(robots[i], ball, radii[0], radii[1])
-            _rebound(ball, solids, radii[1], REBOUND_WALL)
+                _push_ball_out(robots[i], ball, radii[0], radii[1])
+            _bounce(ball, solids, radii[1], RESTITUTION_WALL)
             for i in range(len(robots)):
-                _give_way(robots[i], ball, radii[0], radii[1])
-                _rebound(robots[i], solids, radii[0], 0.0)
-                _confine(robots[i], half, radii[0])
-        if _is_crossed(solids, x, y, ball[X], ball[Y]):
+                _push_robot_back(robots[i], ball, radii[0], radii[1])
+                _bounce(robots[i], solids, radii[0], 0.0)
+                _keep_inside(robots[i], half, radii[0])
+        # a ball that was pressed through a wall goes back to where it was
+        if _crosses_solid(solids, x, y, ball[X], ball[Y]):
             ball[X], ball[Y] = x, y
             ball[VX] = ball[VY] = 0.0
 
 
 @kernel
-def _steer(robot: Floats, wish: Floats) -> None:
-    """Change velocity and turn towards the wish, as far as a step's acceleration allows."""
-    dx, dy = wish[0] - robot[VX], wish[1] - robot[VY]
+def _steer(robot: Floats, command: Floats) -> None:
+    """Change a robot's velocity and turn rate towards its command, within the limits of acceleration."""
+    dx, dy = command[0] - robot[VX], command[1] - robot[VY]
     size = math.hypot(dx, dy)
     share = min(1.0, ROBOT_ACCELERATION_M_S2 * STEP_S / size) if size > 0.0 else 0.0
     robot[VX] += share * dx
     robot[VY] += share * dy
-    most = TURN_ACCELERATION_RAD_S2 * STEP_S
-    robot[TURN] += min(max(wish[2] - robot[TURN], -most), most)
+    limit = TURN_ACCELERATION_RAD_S2 * STEP_S
+    robot[TURN_RATE] += min(max(command[2] - robot[TURN_RATE], -limit), limit)
 
 
 @kernel
 def _advance(body: Floats) -> None:
+    """Integrate a body's velocity over one step."""
     body[X] += body[VX] * STEP_S
     body[Y] += body[VY] * STEP_S
-    body[HEADING] = wrap_angle(body[HEADING] + body[TURN] * STEP_S)
+    body[HEADING] = wrap_angle(body[HEADING] + body[TURN_RATE] * STEP_S)
 
 
 @kernel
-def _roll(ball: Floats) -> None:
+def _slow_rolling_ball(ball: Floats) -> None:
+    """Reduce the ball's speed by rolling friction."""
     speed = math.hypot(ball[VX], ball[VY])
-    left = max(0.0, 1.0 - ROLLING_M_S2 * STEP_S / speed) if speed > 0.0 else 0.0
-    ball[VX] *= left
-    ball[VY] *= left
+    factor = max(0.0, 1.0 - ROLLING_DECELERATION_M_S2 * STEP_S / speed) if speed > 0.0 else 0.0
+    ball[VX] *= factor
+    ball[VY] *= factor
 
 
 @kernel
-def _part(robots: Floats, radius: float) -> None:
-    """Push robots that overlap apart, each by half, and take away the speed at which they close in."""
+def _separate(robots: Floats, radius: float) -> None:
+    """Move overlapping robots apart, each by half the overlap, and remove the speed of their approach."""
     for i in range(len(robots)):
         for j in range(i):
             dx, dy = robots[i, X] - robots[j, X], robots[i, Y] - robots[j, Y]
@@ -113,8 +120,8 @@ def _part(robots: Floats, radius: float) -> None:
 
 
 @kernel
-def _rebound(body: Floats, solids: Floats, radius: float, rebound: float) -> None:
-    """Push a body out of all walls and goals; its speed into them returns with a share."""
+def _bounce(body: Floats, solids: Floats, radius: float, restitution: float) -> None:
+    """Push a body out of all walls and goals; restitution: the part of its normal speed that it keeps."""
     for i in range(len(solids)):
         ax, ay = solids[i, 0], solids[i, 1]
         bx, by = solids[i, 2] - ax, solids[i, 3] - ay
@@ -123,32 +130,33 @@ def _rebound(body: Floats, solids: Floats, radius: float, rebound: float) -> Non
         dx, dy = body[X] - ax - share * bx, body[Y] - ay - share * by
         distance = math.hypot(dx, dy)
         if 1e-9 < distance < radius:
-            _push(body, dx / distance, dy / distance, radius - distance, 0.0, 0.0, rebound)
+            _push(body, dx / distance, dy / distance, radius - distance, 0.0, 0.0, restitution)
 
 
 @kernel
-def _push(body: Floats, nx: float, ny: float, depth: float, vx: float, vy: float, rebound: float) -> None:
-    """Move a body along a normal, and turn back its speed against it, seen from what moves with (vx, vy)."""
+def _push(body: Floats, nx: float, ny: float, depth: float, vx: float, vy: float, restitution: float) -> None:
+    """Move a body along a contact's normal by its depth; if it approaches, reflect its speed relative to (vx, vy)."""
     body[X] += depth * nx
     body[Y] += depth * ny
     closing = (body[VX] - vx) * nx + (body[VY] - vy) * ny
     if closing < 0.0:
-        body[VX] -= (1.0 + rebound) * closing * nx
-        body[VY] -= (1.0 + rebound) * closing * ny
+        body[VX] -= (1.0 + restitution) * closing * nx
+        body[VY] -= (1.0 + restitution) * closing * ny
 
 
 @kernel
-def _confine(robot: Floats, half: Floats, radius: float) -> None:
+def _keep_inside(robot: Floats, half: Floats, radius: float) -> None:
+    """Stop a robot at the border of the area that it may not leave."""
     for axis in range(2):
-        most = half[axis] - radius
-        if abs(robot[axis]) > most:
-            robot[axis] = most if robot[axis] > 0.0 else -most
+        limit = half[axis] - radius
+        if abs(robot[axis]) > limit:
+            robot[axis] = limit if robot[axis] > 0.0 else -limit
             robot[VX + axis] = 0.0
 
 
 @kernel
-def _is_crossed(solids: Floats, x1: float, y1: float, x2: float, y2: float) -> bool:
-    """Does the way between two points cross a wall or goal? A ball pressed hard may not slip through."""
+def _crosses_solid(solids: Floats, x1: float, y1: float, x2: float, y2: float) -> bool:
+    """Does the segment between two points cross a wall or goal?"""
     for i in range(len(solids)):
         ax, ay, bx, by = solids[i]
         from_a = (bx - ax) * (y1 - ay) - (by - ay) * (x1 - ax)
@@ -162,31 +170,34 @@ def _is_crossed(solids: Floats, x1: float, y1: float, x2: float, y2: float) -> b
 
 @kernel
 def _overlap(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> tuple[float, float, float, bool]:
-    """Direction from robot to ball where they touch, how deep they overlap there [m], and is it the dribbler?"""
+    """The contact of robot and ball: its normal x, y from robot to ball, depth [m], and whether it is at the dribbler.
+
+    A negative depth is a gap.
+    """
     c, s = math.cos(robot[HEADING]), math.sin(robot[HEADING])
     dx, dy = ball[X] - robot[X], ball[Y] - robot[Y]
     ahead, aside = c * dx + s * dy, c * dy - s * dx
-    if ahead > 0.0 and abs(aside) < MOUTH * radius:
-        return c, s, FRONT * radius + DRIBBLER_M + ball_radius - ahead, True
+    if ahead > 0.0 and abs(aside) < DRIBBLER_HALF_WIDTH * radius:
+        return c, s, FRONT_RADII * radius + DRIBBLER_M + ball_radius - ahead, True
     distance = max(math.hypot(dx, dy), 1e-9)
     return dx / distance, dy / distance, radius + ball_radius - distance, False
 
 
 @kernel
-def _touch(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
-    """Push the ball out of a robot; what the dribbler touches it holds."""
+def _push_ball_out(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
+    """Push the ball out of a robot. A ball at the dribbler takes on the dribbler's velocity."""
     nx, ny, depth, dribbled = _overlap(robot, ball, radius, ball_radius)
-    if dribbled and depth > -GRIP_REACH_M:
-        share = min(1.0, GRIP_PER_S * STEP_S / PASSES)
-        ball[VX] += share * (robot[VX] - robot[TURN] * (ball[Y] - robot[Y]) - ball[VX])
-        ball[VY] += share * (robot[VY] + robot[TURN] * (ball[X] - robot[X]) - ball[VY])
+    if dribbled and depth > -GRIP_RANGE_M:
+        share = min(1.0, GRIP_PER_S * STEP_S / ITERATIONS)
+        ball[VX] += share * (robot[VX] - robot[TURN_RATE] * (ball[Y] - robot[Y]) - ball[VX])
+        ball[VY] += share * (robot[VY] + robot[TURN_RATE] * (ball[X] - robot[X]) - ball[VY])
     if depth > 0.0:
-        _push(ball, nx, ny, depth, robot[VX], robot[VY], 0.0 if dribbled else REBOUND_ROBOT)
+        _push(ball, nx, ny, depth, robot[VX], robot[VY], 0.0 if dribbled else RESTITUTION_ROBOT)
 
 
 @kernel
-def _give_way(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
-    """Push a robot back from a ball that could not move any further."""
+def _push_robot_back(robot: Floats, ball: Floats, radius: float, ball_radius: float) -> None:
+    """Push a robot back from a ball that still overlaps it, because a wall stopped the ball."""
     nx, ny, depth, _ = _overlap(robot, ball, radius, ball_radius)
     if depth > 0.0:
         _push(robot, -nx, -ny, depth, 0.0, 0.0, 0.0)
@@ -197,8 +208,8 @@ def holds_ball(robot: Floats, ball: Floats, radius_m: float, ball_radius_m: floa
     c, s = math.cos(robot[HEADING]), math.sin(robot[HEADING])
     dx, dy = ball[X] - robot[X], ball[Y] - robot[Y]
     ahead, aside = c * dx + s * dy, c * dy - s * dx
-    rest = FRONT * radius_m + DRIBBLER_M + ball_radius_m
-    return bool(0.0 < ahead < rest + 2.0 * GRIP_REACH_M and abs(aside) < MOUTH * radius_m)
+    rest = FRONT_RADII * radius_m + DRIBBLER_M + ball_radius_m
+    return bool(0.0 < ahead < rest + 2.0 * GRIP_RANGE_M and abs(aside) < DRIBBLER_HALF_WIDTH * radius_m)
 
 
 def no_bodies(count: int) -> Floats:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.capture.synthetic.physics import FRONT
+from vision_core.capture.synthetic.physics import FRONT_RADII
 from vision_core.capture.synthetic.sprites import meets_body
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.clock import Instant
@@ -21,12 +21,14 @@ from vision_core.types.objects import Team
 Mask = NDArray[np.bool_]
 
 RINGS, SPOKES = 5, 16
+"""The ball's visible share is measured at 5 x 16 points of its disc."""
 RIM_POINTS = 8
+"""Points on the rim of a robot's top that must be inside the image."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotTruth:
-    """A robot in the middle of the exposure."""
+    """Pose of a robot at mid-exposure."""
 
     team: Team
     id: int
@@ -34,22 +36,22 @@ class RobotTruth:
     y_m: float
     heading_rad: float
     in_picture: bool
-    """Its whole top is inside the image."""
+    """Whether its whole top is inside the image."""
 
 
 @dataclass(frozen=True, slots=True)
 class BallTruth:
-    """The ball in the middle of the exposure; x_m, y_m is its point on the floor."""
+    """The ball at mid-exposure; x_m, y_m: where it touches the floor."""
 
     x_m: float
     y_m: float
     visible_share: float
-    """Of its disc as the camera sees it: inside the image and not hidden by robots, 0..1."""
+    """Share of its disc, as the camera sees it, that is inside the image and not hidden by robots, 0..1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Everything about one image."""
+    """Ground truth of one image."""
 
     instant: Instant
     robots: tuple[RobotTruth, ...]
@@ -73,7 +75,7 @@ def truth_of(
 def visible_share(scene: Snapshot, camera: CameraSetup, settings: Settings, shapes: Floats | None = None) -> float:
     """The share of the ball's disc, as the camera sees it, that is inside the image and not hidden by a robot.
 
-    shapes: of the robots, as ``_shapes``; without them all are blue.
+    shapes: of the robots, as ``_shapes`` returns them; None: all have the shape of blue robots.
     """
     if shapes is None:
         shapes = _shapes([(Team.BLUE, 0)] * len(scene.robots), settings)
@@ -85,7 +87,7 @@ def visible_share(scene: Snapshot, camera: CameraSetup, settings: Settings, shap
 
 @kernel
 def clear_points(points: Floats, eye: Floats, robots: Floats, shapes: Floats) -> Mask:
-    """Which points, shape (n, 3), no robot hides from the eye; shape (n,).
+    """Which points, shape (n, 3), no robot hides from the eye (the optical center); shape (n,).
 
     shapes: radius, front, height [m] and whether it is a square, of every robot, shape (m, 4).
     """
@@ -93,10 +95,11 @@ def clear_points(points: Floats, eye: Floats, robots: Floats, shapes: Floats) ->
     for i in range(len(points)):
         x, y, z = points[i]
         for j in range(len(robots)):
-            lift = (shapes[j, 2] - z) / (eye[2] - z)
+            # the line of sight from the point to the height of the robot's top, in the robot's space
+            height_ratio = (shapes[j, 2] - z) / (eye[2] - z)
             c, s = math.cos(robots[j, 2]), math.sin(robots[j, 2])
             dx, dy = x - robots[j, 0], y - robots[j, 1]
-            ex, ey = dx + (eye[0] - x) * lift, dy + (eye[1] - y) * lift
+            ex, ey = dx + (eye[0] - x) * height_ratio, dy + (eye[1] - y) * height_ratio
             near, aside = c * dx + s * dy, c * dy - s * dx
             tx, ty = c * ex + s * ey, c * ey - s * ex
             if meets_body(near, aside, tx, ty, shapes[j, 0], shapes[j, 1], shapes[j, 3] > 0.0):
@@ -106,7 +109,7 @@ def clear_points(points: Floats, eye: Floats, robots: Floats, shapes: Floats) ->
 
 
 def _disc(ball: Floats, radius_m: float, eye: Floats) -> Floats:
-    """Points of equal area on the disc through a ball's center across the line of sight, shape (n, 3)."""
+    """Points of equal area on the ball's disc perpendicular to the line of sight, shape (n, 3)."""
     center = np.array([ball[0], ball[1], radius_m])
     sight = eye - center
     sight /= math.hypot(*sight)
@@ -126,12 +129,13 @@ def _shapes(worn: Sequence[tuple[Team, int]], settings: Settings) -> Floats:
     for team, _ in worn:
         shape = robots_of(settings.robots, team)
         square = shape.outline == "square"
-        front = math.inf if square else FRONT * shape.radius_m
+        front = math.inf if square else FRONT_RADII * shape.radius_m
         rows.append((shape.radius_m, front, shape.height_m, float(square)))
     return np.array(rows, dtype=np.float64).reshape(-1, 4)
 
 
 def _tops_inside(robots: Floats, shapes: Floats, camera: CameraSetup) -> Mask:
+    """Whether each robot's whole top is inside the image, shape (n,)."""
     turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
     reach = shapes[:, 0] * np.where(shapes[:, 3] > 0.0, math.sqrt(2.0), 1.0)
     rim = reach[:, None, None] * np.column_stack([np.cos(turns), np.sin(turns)])
