@@ -5,14 +5,15 @@
                           +-> obstacles --------------------+ |
                           +-> boundary, lines, exposure, colors, diagnose      web <- everything that was written
 
-What a task is stands here: what releases it, what it reads, what it writes. When it runs stands in the settings
-(``[tasks]`` of config/default.toml): priority, period, offset, budget, process. A venue may add tasks of its own there.
-One writer per record, no cycle, rates that add up: ``check_table`` proves it before the service starts, ``pslv tasks
---check`` and a test do too. The supervisor starts exactly these tasks, and a task can access no other records than its
-line names. Whatever else the service has to know about a task is a fact of its line (``rtdb.task.Task``).
+This table declares what releases a task, what it reads and what it writes. The settings (``[tasks]`` of
+config/default.toml) declare its times: priority, period, offset, budget, process. A venue may add its own tasks there.
+``check_table`` checks before the service starts that each record has one writer, that there is no cycle and that the
+rates are possible; ``pslv tasks --check`` and a test do the same. The supervisor starts exactly these tasks, and a task
+can access only the records that its line names. All other facts about a task are fields of ``rtdb.task.Task``.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from vision_core.errors import SettingsError
@@ -25,7 +26,7 @@ from vision_core.scheduling.checks import TableProblem, problems
 from vision_core.settings.schema import Settings, TaskSettings
 
 GIVEN = ("service", "processes", "selftest", "restart_result")
-"""Records that no task writes, but the supervisor or a process that runs once."""
+"""Records that the supervisor or a process that runs once writes: no task writes them."""
 COMPILER = "compile"
 """Process that compiles the kernels once, before the tasks start."""
 RESPONDER = "responder"
@@ -33,12 +34,13 @@ RESPONDER = "responder"
 SOURCE = "source"
 """Task that plays the camera when the source is no device."""
 MAX_OWN = 65536
-"""Size of a record of the user's own [bytes]."""
+"""Size of a record that a user's own task writes [bytes]."""
 VALID_PERIODS = 3.0
 MAX_VALID_HZ = 12.0
-"""A record of a user's own is valid for VALID_PERIODS of its task, at this rate at most: a quarter of a second."""
+"""A record of a user's own task is valid for VALID_PERIODS of the task, but for a quarter of a second at least: tasks
+faster than this count as if they ran at it."""
 ONCE_A_SECOND = TaskSettings(priority=0, period_ms=1000.0, budget_ms=0.0)
-"""Times of a watcher that ``[tasks]`` does not have: it needs no real time."""
+"""Times of a watcher that has no entry in ``[tasks]``: it runs without real-time priority."""
 ALWAYS_READ = ("service", "live_settings")
 """Records that every task may read."""
 
@@ -52,22 +54,8 @@ def task_table(settings: Settings) -> tuple[Task, ...]:
 def _built_in(settings: Settings) -> Iterator[Task]:
     camera = CameraSetup.from_settings(settings).name
     frames, source, sightings = f"frames/{camera}", f"source/{camera}", f"sightings/{camera}"
-    requests, done, obstacles = f"frame_requests/{camera}", f"frames_done/{camera}", f"obstacles/{camera}"
-    diagnosis = f"diagnosis/{camera}"
-
-    def line(name: str, trigger: str, reads: Sequence[str], writes: Sequence[str], **facts: Any) -> Task:
-        """One line; facts: further fields of ``Task``."""
-        declared = settings.tasks[name] if trigger != PERIOD else settings.tasks.get(name, ONCE_A_SECOND)
-        return Task(
-            name=name,
-            module="" if trigger == NONE else f"{__package__}.{name}",
-            trigger=trigger,
-            reads=(*ALWAYS_READ, *reads),
-            writes=tuple(writes),
-            process=declared.process or name,
-            times=declared.times,
-            **facts,
-        )
+    obstacles, diagnosis = f"obstacles/{camera}", f"diagnosis/{camera}"
+    line = partial(_line, settings)
 
     def watcher(name: str, purpose: str) -> Task:
         """A task that looks at the newest image of the camera periodically; its record has its name.
@@ -77,20 +65,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         """
         return line(name, PERIOD, [frames], [f"{name}/{camera}"], purpose=purpose)
 
-    reader: dict[str, Any] = {"on_frame_path": True, "purpose": "reads the camera", "period_owner": "the camera"}
-    if settings.source.device is not None:
-        yield line("capture", DRIVER, [], [frames, source], **reader)
-    else:
-        yield line("capture", DRIVER, [done, source], [frames, requests], **reader)
-        yield line(
-            SOURCE,
-            requests,
-            [requests, done, frames],
-            [done, source],
-            on_frame_path=True,
-            purpose="plays the camera",
-            period_owner="the task capture",
-        )
+    yield from _camera_tasks(settings, camera)
     yield line("perceive", frames, [frames], [sightings], on_frame_path=True, purpose="finds robots and ball")
     yield line(
         "serve",
@@ -124,8 +99,45 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     )
 
 
+def _camera_tasks(settings: Settings, camera: str) -> Iterator[Task]:
+    """The tasks that publish frames: capture reads a device, or requests each frame from the task source."""
+    frames, source = f"frames/{camera}", f"source/{camera}"
+    requests, done = f"frame_requests/{camera}", f"frames_done/{camera}"
+    line = partial(_line, settings, on_frame_path=True)
+    capture = partial(line, "capture", DRIVER, purpose="reads the camera", period_owner="the camera")
+    if settings.source.device is not None:
+        yield capture([], [frames, source])
+        return
+    yield capture([done, source], [frames, requests])
+    yield line(
+        SOURCE,
+        requests,
+        [requests, done, frames],
+        [done, source],
+        purpose="plays the camera",
+        period_owner="the task capture",
+    )
+
+
+def _line(
+    settings: Settings, name: str, trigger: str, reads: Sequence[str], writes: Sequence[str], **facts: Any
+) -> Task:  # fmt: skip
+    """One line of the table, with the times of the settings; facts: further fields of ``Task``."""
+    declared = settings.tasks[name] if trigger != PERIOD else settings.tasks.get(name, ONCE_A_SECOND)
+    return Task(
+        name=name,
+        module="" if trigger == NONE else f"{__package__}.{name}",
+        trigger=trigger,
+        reads=(*ALWAYS_READ, *reads),
+        writes=tuple(writes),
+        process=declared.process or name,
+        times=declared.times,
+        **facts,
+    )
+
+
 def _own(name: str, line: TaskSettings) -> Task:
-    """A task of the user's own."""
+    """A task that a user's venue declares."""
     return Task(
         name=name,
         module=line.module,
@@ -138,7 +150,7 @@ def _own(name: str, line: TaskSettings) -> Task:
 
 
 def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
-    """Raise SettingsError for the first error in the table; place_of: names the file and line of a setting."""
+    """Raise SettingsError for the first error in the table; place_of: file and line of a setting."""
     tasks = task_table(settings)
     names = {task.name for task in tasks} | {SOURCE}
     unknown = (name for name in settings.tasks if name not in names)
@@ -153,13 +165,13 @@ def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
 
 
 def _misplaced(settings: Settings) -> Iterator[TableProblem]:
-    """Settings that a line may not have: of a built-in task, or of a task whose name is taken."""
+    """Settings that are not allowed: other settings than times for a built-in task, and reserved names."""
     built_in = {task.name: task for task in _built_in(settings)}
     for name, line in settings.tasks.items():
         is_built_in = name in built_in or name == SOURCE
         if is_built_in and (line.module or line.reads or line.writes or line.trigger != PERIOD):
-            said = "module, trigger, reads or writes"
-            yield TableProblem(f"tasks.{name}", said, "its times only: vision_core/tasks/table.py says the rest")
+            found = "module, trigger, reads or writes"
+            yield TableProblem(f"tasks.{name}", found, "its times only: vision_core/tasks/table.py says the rest")
         if name in built_in and built_in[name].own_loop and line.process not in ("", name):
             yield TableProblem(f"tasks.{name}.process", line.process, "a process of its own: it has a loop of its own")
         for reserved in sorted({COMPILER, RESPONDER} & {name, line.process}):
@@ -167,7 +179,7 @@ def _misplaced(settings: Settings) -> Iterator[TableProblem]:
 
 
 def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[str]) -> tuple[RecordSpec, ...]:
-    """Every record of the service. processes: names of all that write a heartbeat."""
+    """Every record of the service. processes: names of the processes that write a heartbeat."""
     camera = CameraSetup.from_settings(settings)
     declared = [
         records.SERVICE.spec,
