@@ -1,4 +1,4 @@
-"""Equation 1 in compiled code: the twin of ``mirror.px_from_mm``, made from the same source."""
+"""Equation 1 in compiled code: ``mirror.px_from_mm`` for kernels, made from the same source."""
 
 from vision_core.models import mirror
 from vision_core.native.kernels import kernel

@@ -1,4 +1,4 @@
-"""Angles in compiled code: the twin of ``geometry.wrap_angle``, made from the same source."""
+"""Angles in compiled code: ``geometry.wrap_angle`` for kernels, made from the same source."""
 
 from vision_core import geometry
 from vision_core.native.kernels import kernel

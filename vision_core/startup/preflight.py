@@ -1,7 +1,7 @@
-"""Process that runs for a moment before the service: can the tasks work with these settings?
+"""Short process that runs before the service starts: it checks that the tasks can work with the settings.
 
-Settings come on standard input. What is found here is one line for a person; found later, it would be a
-process that dies again and again.
+It reads the settings from standard input. A mistake that it finds is reported in one line; without this check it
+would make a task's process crash again and again.
 """
 
 import os
@@ -23,7 +23,7 @@ from vision_core.settings.schema import Settings
 
 def main() -> int:
     """Check the settings, open the source and close it; exit status 2 and one line on standard error if that fails."""
-    end_with(os.getppid())  # a camera may take its time: nothing is left of a command that was killed
+    end_with(os.getppid())  # opening a camera may take long: this process ends with the command that started it
     settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
     camera = CameraSetup.from_settings(settings)
     try:
@@ -40,7 +40,7 @@ def main() -> int:
 
 
 def check_tasks(settings: Settings, camera: CameraSetup) -> None:
-    """Make what the tasks make of settings: pattern and its colors, letters, admitted subnets. Raises SettingsError."""
+    """Build what the tasks build from settings: pattern and colors, edge codes, subnets. Raises SettingsError."""
     Perception(settings, camera)
     ViewEncoder(settings, Instant(0))
     Admission.from_subnets(settings.admission.subnets)
