@@ -1,12 +1,12 @@
-"""What ten clients of the running service receive within a minute.
+"""Messages that ten clients of the running service receive within a minute.
 
-Setup: the service on its simulated camera at 30 Hz, and ten processes that follow the paper's text alone
+Setup: the service with its simulated camera at 30 Hz, and ten client processes that follow the text of the paper only
 (``paper_client``). There is no baseline.
 
 For each client: messages per second, messages that do not have the paper's form (0 is expected), whether Time strictly
-increases, and skipped frames. A stall detector runs on each core: a frame that was skipped while a core stalled for
-10 ms or more is attributed to the machine, every other one to the service. Then the service's own figures: its lag from
-grab to datagram [ms], and the frames that its tasks missed.
+increases, and the number of skipped frames. A stall detector runs on each core: a frame that was skipped while a core
+stalled for 10 ms or more is attributed to the machine, every other one to the service. The last rows are figures that
+the service reports: its lag from grab to datagram [ms], and the frames that its tasks missed.
 """
 
 import itertools
@@ -27,9 +27,9 @@ STALL_DETECTOR = Path(__file__).with_name("stall_detector.py")
 PERIOD_S = 1.0 / 30.0
 STALL_S = 0.010
 BEFORE_FRAME_S = 0.1
-"""A stall that ended so long before a skipped frame was due still explains it."""
+"""A skipped frame is attributed to a stall that ended at most so long before the frame."""
 BEFORE_END_S = 1.0
-"""The status is read so long before the clients end: without clients the service has no lags."""
+"""The status is read so long before the clients end, since the service reports no lags without clients."""
 
 Report = dict[str, Any]
 
@@ -65,7 +65,7 @@ class StallDetectors:
         return any(late_s > STALL_S and woke > start_s and woke - late_s < end_s for woke, late_s in late_wakeups)
 
     def rows(self) -> list[Row]:
-        """How often each core was asked, and how late it woke the detector."""
+        """For each core the number of sleeps, the latest wake-up and the number of stalls."""
         rows: list[Row] = []
         for core, report in enumerate(self.reports):
             late_s = [late for _, late in report["late"]]
@@ -90,6 +90,7 @@ def _started(script: Path, *arguments: str) -> "subprocess.Popen[str]":
 
 
 def _client_rows(report: Report, detectors: StallDetectors, boot_s: float) -> list[Row]:
+    """Rows of one client; boot_s: instant of Time 0 [s of CLOCK_MONOTONIC]."""
     by_service, by_machine = 0, 0
     for before, after in itertools.pairwise(report["times"]):
         skipped = round((after - before) / PERIOD_S) - 1
@@ -108,7 +109,7 @@ def _client_rows(report: Report, detectors: StallDetectors, boot_s: float) -> li
 
 
 def _status_rows(status: Report, tasks: list[Report]) -> list[Row]:
-    """The service's own figures."""
+    """Figures that the service reports about itself."""
     lag = status["lags"]["server"] or {}
     rows = [
         {"name": f"lag of the server, {key[:-3]}", "value": round(lag[key], 2), "unit": "ms"} for key in sorted(lag)

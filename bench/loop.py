@@ -40,10 +40,10 @@ from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 
 CASES = {("640x480", 10): 0.5, ("1280x1024", 10): 0.2, ("2048x1536", 22): None, ("1280x1024", 22): None}
-"""Size and robots: the most that the loop may take, as a share of the reference segmentation alone."""
+"""Size and robots of each case, and its goal: the largest ratio to the reference segmentation alone."""
 FRAMES = {"640x480": 400, "1280x1024": 200, "2048x1536": 80}
-ROUNDS, BLOCK, WARM = 4, 40, 5
-"""Times that all frames are looped; frames in a block, and those at its beginning that are not counted."""
+ROUNDS, BLOCK, UNMEASURED = 4, 40, 5
+"""Times that all frames are looped; frames in a block; frames at the start of a block that are not measured."""
 SUSTAINED = ("1280x1024", 22)
 SUSTAINED_HZ = 500.0
 PERIOD_NS = NS_PER_S // 30
@@ -70,7 +70,7 @@ def run() -> list[Row]:
 
 
 class Loop:
-    """Everything between a frame and the last client."""
+    """The pipeline in one process: from a frame to the datagrams of all clients."""
 
     def __init__(self, settings: Settings, frames: list[Bytes], stack: contextlib.ExitStack) -> None:
         self.settings, self.frames = settings, frames
@@ -94,7 +94,7 @@ class Loop:
         self._number = 0
 
     def turn(self, frame: int) -> tuple[float, ...]:
-        """One frame: when it began, and when each stage was done [s]."""
+        """Process one frame. Returns when it began and when each stage was done [s of time.perf_counter]."""
         self._number += 1
         at = Instant(self._number * PERIOD_NS)
         began = time.perf_counter()
@@ -108,7 +108,7 @@ class Loop:
         return began, perceived, tracked, written, time.perf_counter()
 
     def drain(self) -> int:
-        """Take what the clients have got; how many datagrams it was."""
+        """Receive all datagrams that wait in the clients' sockets. Returns their number."""
         taken = 0
         for client in self._sockets:
             with contextlib.suppress(BlockingIOError):
@@ -143,30 +143,33 @@ def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     table = loop.perception.table
     reference = ReferenceSegmenter(*loop.perception.camera.size_px, loop.settings.blobs)
     prefilter = loop.perception.context.prefilter
-    twin, _ = c_reference_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
-    ways: dict[str, Callable[[int], object]] = {"reference": lambda frame: reference.segment(loop.frames[frame], table)}
-    if twin is not None:
-        ways["C"] = twin[0]
-    stamps: list[tuple[float, ...]] = []
-    alone: dict[str, list[float]] = {way: [] for way in ways}
+    c_reference, _ = c_reference_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
+    references: dict[str, Callable[[int], object]] = {
+        "reference": lambda frame: reference.segment(loop.frames[frame], table)
+    }
+    if c_reference is not None:
+        references["C"] = c_reference[0]
+    timestamps: list[tuple[float, ...]] = []
+    reference_times: dict[str, list[float]] = {key: [] for key in references}
     count, sent = len(loop.frames), 0
+    # pipeline and baselines take turns, a block of frames each
     for block in range(0, ROUNDS * count, BLOCK):
         frames = [number % count for number in range(block, block + BLOCK)]
         for place, frame in enumerate(frames):
             times = loop.turn(frame)
             sent += loop.drain()
-            if place >= WARM:
-                stamps.append(times)
-        for way, call in ways.items():
-            alone[way] += [_seconds(call, frame) for frame in frames][WARM:]
-    took = np.diff(np.array(stamps), axis=1)
-    whole = float(np.median(took.sum(axis=1)))
-    reference_s = float(np.median(alone["reference"]))
-    rows: list[Row] = [_row(f"{name}: pixels to sent, reference segmentation alone", whole, reference_s, goal)]
-    if "C" in alone:
-        in_c = float(np.median(alone["C"]))
-        rows.append(_row(f"{name}: pixels to sent, reference segmentation in C alone", whole, in_c, None))
-    for stage, seconds in zip(STAGES, np.median(took, axis=0).tolist(), strict=True):
+            if place >= UNMEASURED:
+                timestamps.append(times)
+        for key, call in references.items():
+            reference_times[key] += [_seconds(call, frame) for frame in frames][UNMEASURED:]
+    durations = np.diff(np.array(timestamps), axis=1)
+    whole_s = float(np.median(durations.sum(axis=1)))
+    reference_s = float(np.median(reference_times["reference"]))
+    rows: list[Row] = [_row(f"{name}: pixels to sent, reference segmentation alone", whole_s, reference_s, goal)]
+    if "C" in reference_times:
+        c_s = float(np.median(reference_times["C"]))
+        rows.append(_row(f"{name}: pixels to sent, reference segmentation in C alone", whole_s, c_s, None))
+    for stage, seconds in zip(STAGES, np.median(durations, axis=0).tolist(), strict=True):
         rows.append({"name": f"{name}: {stage}", "value": seconds * US_PER_S, "unit": "us"})
     rows.append({"name": f"{name}: datagrams per frame", "value": round(sent / (ROUNDS * count), 2), "unit": ""})
     return rows
@@ -179,7 +182,7 @@ def _seconds(call: Callable[[int], object], frame: int) -> float:
 
 
 def _sustained(loop: Loop) -> Row:
-    """Frames a second with nothing in between but taking the clients' datagrams, which is counted."""
+    """The sustained rate [frames per second]: the clients' receiving is the only other work, and counts."""
     count = len(loop.frames)
     began = time.perf_counter()
     for turn in range(ROUNDS * count):
@@ -197,12 +200,12 @@ def _sustained(loop: Loop) -> Row:
     }
 
 
-def _row(name: str, took: float, other: float, goal: float | None) -> Row:
-    judged: Row = {} if goal is None else {"goal": f"<= {goal:g}x", "met": took <= goal * other}
+def _row(name: str, seconds: float, baseline_s: float, goal: float | None) -> Row:
+    judged: Row = {} if goal is None else {"goal": f"<= {goal:g}x", "met": seconds <= goal * baseline_s}
     return {
         "name": name,
-        "value": took * US_PER_S,
+        "value": seconds * US_PER_S,
         "unit": "us",
-        "baseline": other * US_PER_S,
-        "ratio": took / other,
+        "baseline": baseline_s * US_PER_S,
+        "ratio": seconds / baseline_s,
     } | judged

@@ -1,9 +1,9 @@
-"""A client that follows the text of the pseudo-local vision paper alone, and imports the standard library alone.
+"""A client written from the text of the pseudo-local vision paper only. It imports the standard library only.
 
     python bench/paper_client.py TEAM NUMBER SECONDS HOST PORT
 
-It sends ``(init TEAM NUMBER)``, receives ``see`` messages for some seconds, checks each against the form in the paper
-and prints its report as one line of JSON. Nothing in it comes from PSLV: it shows that the paper is enough.
+It sends ``(init TEAM NUMBER)``, receives ``see`` messages for some seconds, compares each with the form in the paper
+and prints a report as one line of JSON. It uses no code of PSLV: it shows that the paper is enough to write a client.
 """
 
 import itertools
@@ -20,11 +20,11 @@ PAPER_EDGE_CHARACTERS = 1080
 
 
 def main(team: str, number: int, seconds: float, host: str, port: int) -> None:
-    """Connect, receive until the time is over, print the report."""
+    """Connect, receive for some seconds, print the report."""
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     client.settimeout(1.0)
     client.sendto(f"(init {team} {number})".encode(), (host, port))
-    reply, server = client.recvfrom(4096)  # the port specified by the server
+    reply, server = client.recvfrom(4096)  # the reply comes from the port that the session uses
     times: list[float] = []
     wrong: list[str] = []
     end = time.monotonic() + seconds

@@ -1,15 +1,16 @@
-"""Helper process: the clients of both teams, each with a socket of its own.
+"""Helper process: the clients of both teams, each with its own socket.
 
     python -m bench.receiver UDP_PORT CLIENTS_PER_TEAM        until standard input ends
 
-Every client sends init once, with (time us), and never again: whatever happens to the service, no client reconnects.
-The arrival of a datagram is the instant at which the kernel put it into the client's socket. Prints JSON:
+Every client sends one init message, with (time us), and never reconnects, whatever happens to the service. The
+arrival of a datagram is the instant at which the kernel put it into the client's socket. Prints JSON:
 
     {"policy", "clients", "ports", "disordered", "errors", "views"}
 
-"ports" are those of the server that views came from, "disordered" counts views whose Time is not greater than that of
-the view before, "errors" are all other messages, and "views" is [[time_us, clients, first_ns, last_ns], ...]: for each
-Time how many clients received the view, and the first and last arrival [ns of CLOCK_MONOTONIC].
+"ports" are the server's ports from which views came; "disordered" counts the views whose Time is not greater than that
+of the client's previous view; "errors" are all messages that are no views. "views" is [[time_us, clients, first_ns,
+last_ns], ...]: for each Time the number of clients that received its view, and the first and the last arrival [ns of
+CLOCK_MONOTONIC].
 """
 
 import contextlib
@@ -33,10 +34,10 @@ REPLY_TIMEOUT_S = 5.0
 MAX_DATAGRAM = 4096
 ANCILLARY = socket.CMSG_SPACE(TIMESPEC.size)
 POLL_TIMEOUT_S = 0.1
-"""Standard input is checked at least so often."""
+"""Longest time between two checks of standard input."""
 SEE = b"(see "
 BUFFER_BYTES = 1 << 20
-"""Of each socket."""
+"""Size of each socket's receive buffer."""
 
 
 class Receiver:
@@ -45,7 +46,7 @@ class Receiver:
     def __init__(self, udp_port: int, per_team: int) -> None:
         """Connect all clients. Raises RuntimeError when the server does not accept one."""
         self.views: dict[int, list[int]] = {}
-        """By Time [us]: number of clients, first and last arrival [ns]."""
+        """Time [us] -> number of clients, first and last arrival [ns]."""
         self.ports: set[int] = set()
         self.disordered = 0
         self.errors: list[str] = []
@@ -76,7 +77,7 @@ class Receiver:
         self._poller.register(client.fileno(), select.EPOLLIN)
 
     def receive(self, timeout_s: float) -> None:
-        """Take all datagrams that have arrived; wait up to a timeout for the first [s]."""
+        """Receive all datagrams that have arrived; wait for the first, up to a timeout [s]."""
         ready = self._poller.poll(timeout_s)
         offset = monotonic_from_realtime()
         for descriptor, _ in ready:
@@ -97,7 +98,7 @@ class Receiver:
 
 
 def monotonic_from_realtime() -> int:
-    """Offset from CLOCK_REALTIME to CLOCK_MONOTONIC [ns], from the closest of three pairs of readings."""
+    """CLOCK_MONOTONIC minus CLOCK_REALTIME [ns], from the quickest of three readings of both clocks."""
     best, offset = NS_PER_S, 0
     for _ in range(3):
         before, real, after = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
@@ -107,7 +108,7 @@ def monotonic_from_realtime() -> int:
 
 
 def _datagrams(client: socket.socket, offset: int) -> Iterator[tuple[bytes, int, int]]:
-    """All datagrams in a socket: bytes, arrival [ns of CLOCK_MONOTONIC], the server's port."""
+    """All datagrams that wait in a socket: bytes, arrival [ns of CLOCK_MONOTONIC], the server's port."""
     with contextlib.suppress(BlockingIOError):
         while True:
             datagram, ancillary, _, source = client.recvmsg(MAX_DATAGRAM, ANCILLARY)

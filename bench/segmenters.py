@@ -1,4 +1,4 @@
-"""The two segmentations as objects that own their memory, for benchmarks and tests. The service calls the kernels."""
+"""The two segmentations as objects that own their buffers, for benchmarks and tests. The service calls the kernels."""
 
 import numpy as np
 
@@ -13,9 +13,9 @@ from vision_core.types.tables import BLOB, Table
 
 
 class ReferenceSegmenter:
-    """Finds the blobs of pictures of one size by the reference segmentation: every pixel is read.
+    """Finds the blobs of pictures of one size by the reference segmentation, which reads every pixel.
 
-    Not to be shared between threads: two calls would write into the same tables.
+    Threads must not share a segmenter: each call writes into the same buffers.
     """
 
     def __init__(self, width_px: int, height_px: int, settings: BlobSettings) -> None:
@@ -26,7 +26,7 @@ class ReferenceSegmenter:
         """Filled by ``segment``, in scan order."""
 
     def segment(self, pixels: Bytes, table: ColorTable) -> tuple[int, bool]:
-        """Fill ``blobs``: how many there are, and whether there was room for all.
+        """Fill ``blobs``. Returns the number of blobs, and whether there was room for all.
 
         pixels: shape (height, width, 3), contiguous, blue green red.
         """
@@ -35,9 +35,9 @@ class ReferenceSegmenter:
 
 
 class RowScanSegmenter:
-    """Finds the blobs of pictures of one size that are at least so high, and most of the others, by the row scan.
+    """Finds the blobs of pictures of one size by the row scan: all of at least min_height_px, most others.
 
-    Not to be shared between threads. The first rows of ``blobs`` are the result of the last call of ``segment``.
+    Threads must not share a segmenter. The first rows of ``blobs`` are the result of the last call of ``segment``.
     """
 
     def __init__(self, width_px: int, height_px: int, settings: BlobSettings, min_height_px: int) -> None:
@@ -49,10 +49,10 @@ class RowScanSegmenter:
     def segment(
         self, pixels: Bytes, table: ColorTable, prefilter: ColorPrefilter, windows: Boxes | None = None
     ) -> tuple[int, bool]:
-        """How many blobs were found, and whether there was room for all; in another order than the reference.
+        """Fill ``blobs``, in another order than the reference. Returns their number and whether there was room for all.
 
         pixels: shape (height, width, 3), blue green red. prefilter: made from the same table. windows: left, top,
-        right, bottom, inclusive, shape (n, 4): where to look beside the rolling scan band; None: everywhere.
+        right, bottom, inclusive, shape (n, 4), segmented in addition to the rolling scan band; None: the whole picture.
         """
         assert pixels.shape == self._shape, f"{pixels.shape} is not {self._shape}"
         whole = windows is None

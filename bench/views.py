@@ -1,9 +1,9 @@
 """Duration of encoding one frame's views: from the world to the datagrams of 10 and of 22 clients.
 
 Measured [us]: median duration of one call of the compiled encoder over random worlds, with all robots on the field.
-Two baselines work on the same worlds in the same process, by turns: a C program of our own (``baselines/views.c``),
-whose datagrams must be the same bytes; the goal is a ratio of at most 1.3. And the protocol's reference implementation
-in Python, which encodes one view at a time.
+Two baselines encode the same worlds in the same process. The first is a C program (``baselines/views.c``) that takes
+turns with the encoder; its datagrams must be the same bytes, and the goal is a ratio of at most 1.3. The second is the
+protocol's reference implementation in Python, which encodes one view at a time.
 """
 
 import ctypes
@@ -34,7 +34,7 @@ from vision_core.views.renderer import StaticScene
 TEAM_SIZES = (5, 11)
 WORLDS = 40
 ROUNDS = 1500
-ROUNDS_OF_OLD = 20
+REFERENCE_ROUNDS = 20
 GOAL_RATIO = 1.3
 BOOT = Instant(0)
 
@@ -66,42 +66,42 @@ def _measure(size: int) -> list[Row]:
     tables = [WorldTable.of(_world(np.random.default_rng(seed), settings, size)) for seed in range(WORLDS)]
     clients = tuple(Client(Init(team, number)) for team in Team for number in range(1, size + 1))
     encoder = ViewEncoder(settings, BOOT)
-    ways: list[Callable[[int], object]] = [lambda number: encoder.write(tables[number % WORLDS], clients)]
-    twin, word = _twin(encoder, tables, clients, settings)
-    if twin is not None:
-        ways.append(twin)
-    took, *of_twin = _in_turns(ways, ROUNDS)
-    (old,) = _in_turns([_one_by_one(encoder, tables, clients)], ROUNDS_OF_OLD)
+    methods: list[Callable[[int], object]] = [lambda number: encoder.write(tables[number % WORLDS], clients)]
+    c_baseline, compiler = _c_baseline(encoder, tables, clients, settings)
+    if c_baseline is not None:
+        methods.append(c_baseline)
+    encoder_us, *c_us = _in_turns(methods, ROUNDS)
+    (reference_us,) = _in_turns([_by_reference(encoder, tables, clients)], REFERENCE_ROUNDS)
     name = f"edges and text of {2 * size} robots"
-    against = {"name": f"{name}, baseline in C", "baseline": of_twin[0], "ratio": took / of_twin[0]} if of_twin else {}
+    against = {"name": f"{name}, baseline in C", "baseline": c_us[0], "ratio": encoder_us / c_us[0]} if c_us else {}
     return [
         {
-            "name": f"{name} ({word})",
-            "value": took,
+            "name": f"{name} ({compiler})",
+            "value": encoder_us,
             "unit": "us",
             "goal": f"<= {GOAL_RATIO}x",
-            "met": took <= GOAL_RATIO * of_twin[0] if of_twin else None,
+            "met": encoder_us <= GOAL_RATIO * c_us[0] if c_us else None,
             **against,
         },
         {
             "name": f"{name}, baseline the reference implementation in Python",
-            "value": took,
+            "value": encoder_us,
             "unit": "us",
-            "baseline": old,
-            "ratio": took / old,
+            "baseline": reference_us,
+            "ratio": encoder_us / reference_us,
         },
     ]
 
 
-def _in_turns(ways: list[Callable[[int], object]], rounds: int) -> list[float]:
-    """Median duration of each way [us]."""
-    seconds: list[list[float]] = [[] for _ in ways]
+def _in_turns(methods: list[Callable[[int], object]], rounds: int) -> list[float]:
+    """Median duration of each method [us]; the methods take turns."""
+    seconds: list[list[float]] = [[] for _ in methods]
     for number in range(rounds):
-        for way, took in zip(ways, seconds, strict=True):
+        for method, durations in zip(methods, seconds, strict=True):
             began = time.perf_counter()
-            way(number)
-            took.append(time.perf_counter() - began)
-    return [float(np.median(took[len(took) // 10 :])) * US_PER_S for took in seconds]
+            method(number)
+            durations.append(time.perf_counter() - began)
+    return [float(np.median(durations[len(durations) // 10 :])) * US_PER_S for durations in seconds]
 
 
 def _settings(size: int) -> Settings:
@@ -120,10 +120,12 @@ def _world(rng: np.random.Generator, settings: Settings, size: int) -> World:
     return World(1, Instant(20_306 * NS_PER_S + int(rng.integers(NS_PER_S))), tuple(robots), ball, ())
 
 
-def _one_by_one(encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[Client, ...]) -> Callable[[int], object]:
-    """View after view as a record, datagram after datagram by the protocol's own module."""
+def _by_reference(
+    encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[Client, ...]
+) -> Callable[[int], object]:
+    """The protocol's reference implementation as a function of the round's number: one view and datagram at a time."""
 
-    def write(number: int) -> list[bytes]:
+    def encode(number: int) -> list[bytes]:
         world, sent = tables[number % WORLDS], []
         encoder.renderer.render(world)
         for client in clients:
@@ -132,44 +134,50 @@ def _one_by_one(encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[C
             sent.append(reference_see(view, client.init.options, encoder.mirror, encoder.codes, BOOT))
         return sent
 
-    return write
+    return encode
 
 
-def _twin(
+def _c_baseline(
     encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[Client, ...], settings: Settings
 ) -> tuple[Callable[[int], object] | None, str]:
-    """The twin's call for the world of a round, checked byte for byte; or None, and why there is none."""
-    library, word = load_library("views", "-fno-math-errno")
+    """The baseline in C as a function of the round's number, and the compiler's command; or None and the reason.
+
+    Its datagrams are checked to be the same bytes.
+    """
+    library, compiler = load_library("views", "-fno-math-errno")
     if library is None:
-        return None, word
+        return None, compiler
     scene = encoder.renderer.scene
     count = len(clients)
     page = np.zeros((count, 2, 360), dtype=np.uint8)
     slots = np.zeros(count * SLOT, dtype=np.uint8)
     starts, lengths = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
-    fixed = [
+    # arrays of the C structures: the same for all worlds, then outlines and ball of each world
+    arguments = [
         _scene_row(scene, encoder, settings), scene.segments_m, scene.segment_kinds, scene.ray_x, scene.ray_y,
         encoder.text.hex_words, np.ascontiguousarray(encoder.text.edge_codes[0]), page, slots, starts, lengths,
     ]  # fmt: skip
     calls = []
     for table in tables:
         outlines, ball = _outlines_of(table, scene), np.array([table.balls[0]["x_m"], table.balls[0]["y_m"]])
-        fixed += [outlines, ball]
+        arguments += [outlines, ball]
         calls.append(
             (
                 _address(outlines),
                 ctypes.c_int64(count),
                 _address(ball),
                 ctypes.c_int64(int(table.whole[0]["at"])),
-                *map(_address, fixed[:11]),
+                *map(_address, arguments[:11]),
             )
         )
+    # every datagram must be the same bytes
     for table, call in zip(tables, calls, strict=True):
         library.encode_views(*call)
-        mine = encoder.write(table, clients)
+        batch = encoder.write(table, clients)
         for row in range(count):
-            assert bytes(mine.datagram(row)) == bytes(Batch(slots, starts, lengths).datagram(row))
-    return lambda number: (library.encode_views(*calls[number % len(calls)]), fixed)[0], word
+            assert bytes(batch.datagram(row)) == bytes(Batch(slots, starts, lengths).datagram(row))
+    # the function keeps the arrays alive that the calls point to
+    return lambda number: (library.encode_views(*calls[number % len(calls)]), arguments)[0], compiler
 
 
 def _address(array: "np.ndarray[Any, Any]") -> ctypes.c_void_p:

@@ -1,5 +1,5 @@
-"""Region growing from an object's last position, as the CAMBADA robots had it, for the experiments with it.
+"""Region growing from an object's last position, the method of the CAMBADA robots, for experiments.
 
-``region`` grows one region (kernels), ``tracker`` follows one object from picture to picture with it. The service
-segments whole pictures instead; ``bench.growing`` compares the two, ``bench.cambada`` repeats the paper's experiment.
+``region`` grows one region (kernels); ``tracker`` uses it to track one object from picture to picture. The service
+segments whole pictures instead. ``bench.growing`` compares the two; ``bench.cambada`` repeats the paper's experiment.
 """

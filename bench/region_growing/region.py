@@ -1,17 +1,17 @@
-"""Region growing from an object's last position: one object, as few pixels as it takes.
+"""Region growing from an object's last position: it reads as few pixels as possible.
 
 The method of the CAMBADA robots (Neves et al., "A modular vision system", section 3). Each object is searched alone.
-From its last position, or the picture's middle, points on square rings are looked at, the nearest first; a point of the
-object's color grows into a region. Two queues take turns: *candidates* are pixels to be judged, *members* are pixels
-that were judged to be of the color and expand the region to their own neighbors. A region is valid by its area and by
-what surrounds it: for that the front goes on for some layers through pixels of any color. Regions that are not valid
-are remembered, and the rings go on.
+The search starts at the object's last position, or at the center of the picture, and tests points on square rings, the
+nearest first. From a point of the object's color a region is grown with two queues: *candidates* are pixels whose color
+is still to be tested; *members* are pixels of the color, whose neighbors become candidates. A region is valid if its
+area is within limits and enough of the pixels around it have a given color; to find these, the front is expanded by
+some layers through pixels of any color. Regions that are not valid are marked, and the search goes on.
 
-An object that is where it was costs a few hundred pixels; one that is gone costs a search of the whole picture: the
-time varies as in the paper's figure 3. ``budget_px`` limits it.
+An object near its last position costs a few hundred pixels. An object that has gone costs a search of the whole
+picture: the time varies as in the paper's figure 3. ``budget_px`` limits it.
 
-A color is a set of classes of the color table, or a seed with tolerances, for colors that no table can hold: a table
-has 32 x 64 x 32 cells, one venue, one light.
+A color is a set of classes of the color table, or a seed with tolerances. Seeds are for colors that the table cannot
+separate: it has only 32 x 64 x 32 cells, for one venue and one light.
 """
 
 import math
@@ -26,7 +26,7 @@ from vision_core.types.color_cells import color_cell
 from vision_core.types.tables import BLOB, Table
 
 Row: TypeAlias = Any
-"""One row of a table, as kernels take it: its fields are attributes."""
+"""One row of a table. In kernels its fields are attributes."""
 
 NOT_FOUND = -1.0
 LAST_SERIAL = (1 << 30) - 1
@@ -38,8 +38,8 @@ COLOR = np.dtype(
         ("luma_tolerance", np.float64), ("chroma_tolerance", np.float64),
     ]
 )  # fmt: skip
-"""The color of an object: classes holds 1 for every class of the table that it may have; or, when by_seed, every color
-within the tolerances of a luma and a chroma [grey levels]."""
+"""The color of an object. by_seed = 0: classes holds 1 for each class of the color table that the object may have.
+by_seed = 1: all colors within the tolerances of luma, Cb and Cr [grey levels]."""
 
 LIMITS = np.dtype(
     [
@@ -47,27 +47,30 @@ LIMITS = np.dtype(
         ("gap_px", np.int64), ("ring_px", np.int64), ("min_around", np.float64), ("budget_px", np.int64),
     ]
 )  # fmt: skip
+"""One row: the search reaches search_px from its start, in steps of step_px; a region is valid with an area from
+min_area_px to max_area_px, if at least min_around of the pixels gap_px + 1 ... gap_px + ring_px layers outside it have
+the color that must surround it; at most budget_px pixels are grown."""
 
 
 class GrowingBuffers(NamedTuple):
-    """GrowingBuffers for pictures of one size, allocated once and filled by `grow`."""
+    """Buffers for pictures of one size, allocated once and filled by `grow`."""
 
     stamps: NDArray[np.int32]
-    """Shape (height, width): which region last judged a pixel, times two; plus one if the pixel became a member."""
+    """Shape (height, width): 2 * the number of the region that last tested a pixel, + 1 if it became a member."""
     serial: NDArray[np.int64]
     """Number of the last region, shape (1,)."""
     members: NDArray[np.int32]
-    """The front, x and y, shape (room, 2)."""
+    """Queue of the members at the front of the region, x and y, shape (room, 2)."""
     candidates: NDArray[np.int32]
-    """Neighbors of the front that are to be judged."""
+    """Queue of the neighbors of the front whose color is to be tested."""
     edge: NDArray[np.int32]
-    """Candidates that were rejected: the pixels round the region."""
+    """Candidates of another color: the pixels round the region."""
     blob: Table
     """The region that was found, one row of BLOB."""
 
 
 def growing_buffers(width_px: int, height_px: int) -> GrowingBuffers:
-    """Buffers for pictures of one size. Fronts longer than eight times round the picture are not followed."""
+    """Buffers for pictures of one size. A front longer than eight times the picture's perimeter is not followed."""
     room = 16 * (width_px + height_px)
     return GrowingBuffers(
         stamps=np.zeros((height_px, width_px), dtype=np.int32),
@@ -87,7 +90,7 @@ def color_of_classes(*numbers: int) -> Table:
 
 
 def color_of_seed(bgr: tuple[float, float, float], luma_tolerance: float, chroma_tolerance: float) -> Table:
-    """A color by an example and how far luma and (Cb, Cr) may lie from its own [grey levels], shape (1,)."""
+    """A color by an example and tolerances: luma, and distance in the (Cb, Cr) plane [grey levels], shape (1,)."""
     color = np.zeros(1, dtype=COLOR)
     color["luma"], color["cb"], color["cr"] = luma_and_chroma(*bgr)
     color["luma_tolerance"], color["chroma_tolerance"] = luma_tolerance, chroma_tolerance
@@ -96,8 +99,10 @@ def color_of_seed(bgr: tuple[float, float, float], luma_tolerance: float, chroma
 
 
 def step_for(area_px: int) -> int:
-    """How far apart points may be [px] so that no disc of an area lies between them: d / sqrt(2) for a diameter d,
-    less the half pixel by which a disc of pixels may be narrower."""
+    """Largest step of a grid of points [px] that no disc of an area fits between: (d - 0.5) / sqrt(2) for a diameter d.
+
+    The half pixel is subtracted since a disc made of pixels may be so much narrower.
+    """
     diameter = 2.0 * math.sqrt(area_px / math.pi)
     return max(1, math.floor((diameter - 0.5) / math.sqrt(2.0)))
 
@@ -113,17 +118,17 @@ def grow(
     limits: Table,
     buffers: GrowingBuffers,
 ) -> float:
-    """Find the valid region of a color that is nearest to a start, ring by ring; its BLOB is buffers.blob.
+    """Find the valid region of a color that is nearest to a start; write it to buffers.blob.
 
     pixels: shape (height, width, 3); classes: of a ColorTable; color, around: rows of COLOR; limits: a row of LIMITS.
-    Returns the share of its surroundings that have the color `around` (1 when ring_px is 0), or NOT_FOUND.
+    Returns the share of the surrounding pixels that have the color `around` (1 when ring_px is 0), or NOT_FOUND.
     """
     # the start, clamped to the picture
     height, width = buffers.stamps.shape
     limit, wanted = limits[0], color[0]
     x, y = min(max(int(x_px + 0.5), 0), width - 1), min(max(int(y_px + 0.5), 0), height - 1)
     first, budget = next_serial(buffers), limit.budget_px
-    # points of the object's color, ring by ring
+    # test points on square rings, the nearest first, until one has the object's color
     for ring in range(limit.search_px // limit.step_px + 2):
         for side in range(4):
             u, v, du, dv, points = side_of_ring(ring, side, x, y, limit.step_px, width, height)
@@ -132,8 +137,8 @@ def grow(
                 if not is_of(wanted, classes, pixels[py, px]):
                     continue
                 if buffers.stamps[py, px] & 1 and buffers.stamps[py, px] >> 1 >= first:
-                    continue  # a member of a region that was not valid
-                # grow its region and judge it by area, then by its surroundings
+                    continue  # it belongs to a region that was not valid
+                # grow its region; test the area, then the surroundings
                 complete, edge_count = grow_region(pixels, classes, px, py, wanted, buffers, budget)
                 area = buffers.blob[0].area_px
                 budget -= area
@@ -151,7 +156,7 @@ def grow(
 
 @kernel
 def next_serial(buffers: GrowingBuffers) -> int:
-    """Number of the next region; before the numbers run out all stamps are cleared and counting starts again."""
+    """Number of the next region. Before the numbers overflow all stamps are cleared and counting starts again."""
     if buffers.serial[0] > LAST_SERIAL - buffers.stamps.size:
         buffers.stamps[:] = 0
         buffers.serial[0] = 0
@@ -162,8 +167,10 @@ def next_serial(buffers: GrowingBuffers) -> int:
 def side_of_ring(
     ring: int, side: int, x: int, y: int, step: int, width: int, height: int
 ) -> tuple[int, int, int, int, int]:
-    """The points of one side of a square ring round a place that lie in the picture: the first one's x and y, the
-    steps in x and y, and how many there are. Each side leaves one of its corners to the next."""
+    """Points inside the picture on one side of a square ring round x, y: the first's x and y, steps in x and y, number.
+
+    Each corner of the ring belongs to one side only.
+    """
     reach = ring * step
     along_x = side < 2
     if along_x:
@@ -204,9 +211,9 @@ def luma_and_chroma(blue: float, green: float, red: float) -> tuple[float, float
 def grow_region(
     pixels: Bytes, classes: Bytes, x: int, y: int, color: Row, buffers: GrowingBuffers, budget_px: int
 ) -> tuple[bool, int]:
-    """Grow the region of a pixel into buffers.blob; whether it is complete, and how many pixels lie round it.
+    """Grow the region of a pixel into buffers.blob. Returns whether it is complete, and the number of pixels round it.
 
-    It is incomplete with more pixels than the budget, or a front longer than the queues.
+    A region is incomplete if it has more pixels than the budget, or its front is longer than the queues.
     """
     stamps, members, candidates, edge = buffers.stamps, buffers.members, buffers.candidates, buffers.edge
     buffers.serial[0] += 1
@@ -218,7 +225,7 @@ def grow_region(
     top = bottom = y
     front, complete = 1, True
     while front and complete:
-        # the members of the front count, and queue their neighbors
+        # add the members of the front to the region, and queue their neighbors
         waiting = 0
         for member in range(front):
             px, py = members[member, 0], members[member, 1]
@@ -228,7 +235,7 @@ def grow_region(
             left, right, top, bottom = min(left, px), max(right, px), min(top, py), max(bottom, py)
             waiting = add_neighbors(px, py, stamps, serial, candidates, waiting)
         complete = area <= budget_px and waiting <= len(candidates) - 8
-        # neighbors of the color are the next front
+        # neighbors of the color become the next front, all others lie round the region
         front = 0
         for candidate in range(waiting):
             px, py = candidates[candidate, 0], candidates[candidate, 1]
@@ -239,6 +246,7 @@ def grow_region(
             elif edge_count < len(edge):
                 edge[edge_count, 0], edge[edge_count, 1] = px, py
                 edge_count += 1
+    # the region as a blob
     blob = buffers.blob[0]
     blob.color = classes[color_cell(pixels[y, x, 0], pixels[y, x, 1], pixels[y, x, 2])]
     blob.area_px, blob.x_px, blob.y_px = area, sum_x / area, sum_y / area
@@ -250,9 +258,9 @@ def grow_region(
 def add_neighbors(
     x: int, y: int, stamps: NDArray[np.int32], serial: int, queue: NDArray[np.int32], waiting: int
 ) -> int:
-    """Queue the neighbors of a pixel (diagonals, too) that this region has not met; how many wait then.
+    """Queue the 8-neighbors of a pixel that this region has not tested yet. Returns the new length of the queue.
 
-    Those for which there is no room are left out.
+    Neighbors for which the queue has no room are left out.
     """
     height, width = stamps.shape
     for v in range(max(y - 1, 0), min(y + 2, height)):
@@ -269,18 +277,20 @@ def add_neighbors(
 def surrounding_share(
     pixels: Bytes, classes: Bytes, around: Row, limits: Row, buffers: GrowingBuffers, edge_count: int
 ) -> float:
-    """Share of the pixels gap_px + 1 ... gap_px + ring_px layers outside a region, just grown, that are of a color.
+    """Share of the pixels that have the color around, gap_px + 1 ... gap_px + ring_px layers outside the last region.
 
-    A region that fills the picture has no surroundings: 0.
+    0 for a region that fills the picture.
     """
     layer, beyond = buffers.edge, buffers.candidates
     serial, count, alike, judged = buffers.serial[0], edge_count, 0, 0
     for distance in range(1, limits.gap_px + limits.ring_px + 1):
+        # expand the front by one layer
         if distance > 1:
             waiting = 0
             for pixel in range(count):
                 waiting = add_neighbors(layer[pixel, 0], layer[pixel, 1], buffers.stamps, serial, beyond, waiting)
             layer, beyond, count = beyond, layer, waiting
+        # count the pixels of the color in layers beyond the gap
         if distance > limits.gap_px:
             judged += count
             for pixel in range(count):
