@@ -1,4 +1,4 @@
-"""Capture orders images and publishes them at their instants; source fills orders, each once."""
+"""Capture requests images and publishes them at their instants; source renders each request once."""
 
 import os
 import threading
@@ -28,7 +28,7 @@ RATE_HZ = 50.0
 
 
 class Stage:
-    """Both tasks on one database, without a supervisor."""
+    """Both tasks on one real-time database, without a supervisor."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -41,7 +41,7 @@ class Stage:
         self.handles: list[Handle] = []
 
     def start(self, name: str) -> Step:
-        """A task as its process would start it."""
+        """Start a task as its process does."""
         woken = {"frames_done/main": "capture", "source/main": "capture", "frame_requests/main": "source"}
         notify: dict[str, tuple[int, ...]] = {record: (self.events[other],) for record, other in woken.items()}
         resources = ChildResources(name, os.getpid(), 0, self.block, self.specs, self.events[name], notify, {})
@@ -66,7 +66,7 @@ class Stage:
 
 @pytest.fixture
 def stage(tmp_path: Path) -> Iterator[Stage]:
-    """Three pictures that are told apart by their brightness."""
+    """A stage whose source plays three pictures, each of another brightness."""
     for number in range(3):
         write_picture(tmp_path / f"{number}.png", np.full((480, 640, 3), 10 + number, dtype=np.uint8))
     made = Stage(load_settings(options={"source.uri": f"file:{tmp_path}", "camera.rate_hz": RATE_HZ}))
@@ -74,8 +74,8 @@ def stage(tmp_path: Path) -> Iterator[Stage]:
     made.close()
 
 
-class Background:
-    """The source, filling orders beside the test as its process would."""
+class SourceThread:
+    """The task source in a thread: it renders requests while the test runs capture."""
 
     def __init__(self, stage: Stage) -> None:
         self._step, self._stop = stage.start("source"), threading.Event()
@@ -93,117 +93,117 @@ class Background:
         self._thread.join()
 
 
-def test_images_come_in_order_on_a_grid(stage: Stage) -> None:
-    player = Background(stage)
+def test_images_are_published_in_order_and_at_the_cameras_rate(stage: Stage) -> None:
+    source_thread = SourceThread(stage)
     try:
-        shoot = stage.start("capture")
+        capture_step = stage.start("capture")
         frames = stage.attachments[-1].store.reader("frames/main")
-        levels, instants = [], []
+        brightness, instants = [], []
         for _ in range(6):
-            result = stage.run(shoot)
+            result = stage.run(capture_step)
             view = frames.view()
             assert view is not None
-            levels.append(view.payload[0])
+            brightness.append(view.payload[0])
             instants.append(view.measured)
             assert result.due is not None
             assert view.written >= result.due >= view.measured
     finally:
-        player.end()
-    assert levels == [10, 11, 12, 10, 11, 12]
+        source_thread.end()
+    assert brightness == [10, 11, 12, 10, 11, 12]
     periods = [round((after - instants[0]) * RATE_HZ / 1e9, 6) for after in instants]
     assert periods == sorted({round(period) for period in periods})
 
 
-def test_a_new_source_does_not_touch_what_is_published(stage: Stage) -> None:
-    player = Background(stage)
+def test_a_restarted_source_does_not_render_a_request_again(stage: Stage) -> None:
+    source_thread = SourceThread(stage)
     try:
-        shoot = stage.start("capture")
-        stage.run(shoot)
+        capture_step = stage.start("capture")
+        stage.run(capture_step)
     finally:
-        player.end()
-    exposures = stage.attachments[-1].store.reader("frames_done/main")
-    before = exposures.sequence
+        source_thread.end()
+    done = stage.attachments[-1].store.reader("frames_done/main")
+    before = done.sequence
     again = stage.start("source")
     assert again(Release(stage.clock.now(), stage.clock.now())) == IDLE
-    assert exposures.sequence == before
+    assert done.sequence == before
 
 
-def test_a_new_source_fills_what_its_predecessor_left(stage: Stage) -> None:
-    stage.start("source")  # says what it is, and dies before the order comes
-    shoot = stage.start("capture")
-    waiting = threading.Thread(target=stage.run, args=(shoot,))
+def test_a_restarted_source_renders_the_request_that_its_predecessor_left(stage: Stage) -> None:
+    stage.start("source")  # it writes its description, and dies before the request comes
+    capture_step = stage.start("capture")
+    waiting = threading.Thread(target=stage.run, args=(capture_step,))
     waiting.start()
-    player = Background(stage)
+    source_thread = SourceThread(stage)
     waiting.join(timeout=20.0)
-    player.end()
+    source_thread.end()
     assert not waiting.is_alive()
     assert stage.attachments[-1].store.reader("frames/main").sequence == 1
 
 
-def test_an_exposure_of_an_older_order_is_not_published(stage: Stage) -> None:
-    player = Background(stage)
+def test_an_image_of_an_older_request_is_not_published(stage: Stage) -> None:
+    source_thread = SourceThread(stage)
     try:
         stage.run(stage.start("capture"))
     finally:
-        player.end()
-    shoot = stage.start("capture")  # a successor: its first order has a new number
+        source_thread.end()
+    capture_step = stage.start("capture")  # a restarted capture: its first request has a new number
     store = stage.attachments[-1].store
     records.frames_done("main").writer(store).write(FrameDone(1), stage.clock.now(), stage.clock.now())
-    assert shoot(Release(stage.clock.now(), stage.clock.now())) == IDLE
+    assert capture_step(Release(stage.clock.now(), stage.clock.now())) == IDLE
     assert store.reader("frames/main").sequence == 1
 
 
-def test_an_order_that_comes_while_another_is_filled_is_not_lost(stage: Stage) -> None:
+def test_a_request_that_comes_while_another_is_rendered_is_not_lost(stage: Stage) -> None:
     step = stage.start("source")
     store = stage.attachments[-1].store
-    orders, now = records.frame_requests("main").writer(store), stage.clock.now()
-    orders.write(FrameRequest(1, 1, now), now, now)
+    requests, now = records.frame_requests("main").writer(store), stage.clock.now()
+    requests.write(FrameRequest(1, 1, now), now, now)
 
-    def grab_and_be_asked(_keeper: RequestedKeeper) -> Instant:
-        """A new capture gives its first order while the old one's image is made."""
-        if orders.sequence == 1:
-            orders.write(FrameRequest(2, 1, now), now, now)
+    def wait_and_get_a_request(_keeper: RequestedKeeper) -> Instant:
+        """A restarted capture writes its first request while the image for its predecessor is rendered."""
+        if requests.sequence == 1:
+            requests.write(FrameRequest(2, 1, now), now, now)
         return now
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(RequestedKeeper, "wait", grab_and_be_asked)
+        patched.setattr(RequestedKeeper, "wait", wait_and_get_a_request)
         assert step(Release(now, now)) == RAN
         assert step(Release(now, now)) == RAN
     filled = records.frames_done("main").reader(store).value(now)
     assert filled.number == 2
 
 
-def test_switched_off_and_on_capture_begins_with_an_image_of_now(stage: Stage) -> None:
-    player = Background(stage)
+def test_after_capture_was_off_its_first_image_is_new_and_none_counts_as_missed(stage: Stage) -> None:
+    source_thread = SourceThread(stage)
     try:
-        shoot = stage.start("capture")
-        stage.run(shoot)
+        capture_step = stage.start("capture")
+        stage.run(capture_step)
         time.sleep(0.3)
         stage.handles[-1].switch()
         before = stage.clock.now()
-        result = stage.run(shoot)
+        result = stage.run(capture_step)
         frames = stage.attachments[-1].store.reader("frames/main").view()
         assert frames is not None
         assert frames.measured >= before
         assert result.missed == 0
     finally:
-        player.end()
+        source_thread.end()
 
 
 @pytest.mark.slow
-def test_the_simulated_camera_renders_to_order() -> None:
+def test_the_simulated_camera_renders_another_image_for_each_request() -> None:
     made = Stage(load_settings(options={"camera.rate_hz": RATE_HZ}))
-    player = Background(made)
+    source_thread = SourceThread(made)
     try:
-        shoot = made.start("capture")
+        capture_step = made.start("capture")
         frames = made.attachments[-1].store.reader("frames/main")
         seen = []
         for _ in range(3):
-            made.run(shoot)
+            made.run(capture_step)
             view = frames.view()
             assert view is not None
             seen.append(bytes(view.payload))
         assert len(set(seen)) == 3
     finally:
-        player.end()
+        source_thread.end()
         made.close()

@@ -1,4 +1,4 @@
-"""The task table proves itself."""
+"""The built-in task table passes its checks, and mistakes in a venue's table are reported with file and line."""
 
 from pathlib import Path
 
@@ -15,28 +15,28 @@ DEVICE = load_settings(options={"source.uri": "camera:0"})
 
 
 @pytest.mark.parametrize("settings", [load_settings(), DEVICE], ids=["simulated", "device"])
-def test_our_table_is_in_order(settings: object) -> None:
+def test_the_built_in_table_has_no_problems_and_no_warnings(settings: object) -> None:
     assert isinstance(settings, type(DEVICE))
     table = task_table(settings)
     assert problems(table, GIVEN, settings.camera.rate_hz) == []
     assert warnings(table) == []
 
 
-def test_every_record_of_the_table_has_a_place() -> None:
+def test_every_record_of_the_table_has_a_spec() -> None:
     settings = load_settings()
     tasks = task_table(settings)
-    places = {spec.name for spec in record_specs(settings, tasks, ["a", "b"])}
+    specs = {spec.name for spec in record_specs(settings, tasks, ["a", "b"])}
     for task in tasks:
-        assert {*task.reads, *task.writes, f"task/{task.name}", f"timing/{task.name}"} <= places
-    assert {"heartbeat/a", "heartbeat/b"} <= places
+        assert {*task.reads, *task.writes, f"task/{task.name}", f"timing/{task.name}"} <= specs
+    assert {"heartbeat/a", "heartbeat/b"} <= specs
 
 
-def test_a_device_delivers_by_itself() -> None:
+def test_with_a_camera_device_there_is_no_task_source() -> None:
     assert "source" not in {task.name for task in task_table(DEVICE)}
 
 
 def check(tmp_path: Path, text: str) -> str:
-    """What is said of a venue."""
+    """The error that the check of a venue's table raises; text: the venue file."""
     venue = tmp_path / "venue.toml"
     venue.write_text(text)
     layers = layers_of(str(venue))
@@ -48,7 +48,7 @@ def check(tmp_path: Path, text: str) -> str:
 OWN = 'priority = 1\nperiod_ms = 100.0\nbudget_ms = 1.0\nmodule = "m"\n'
 
 
-def test_a_wrong_line_is_named_with_its_file_and_number(tmp_path: Path) -> None:
+def test_a_mistake_is_reported_with_its_file_and_line(tmp_path: Path) -> None:
     said = check(tmp_path, f"[camera]\nrate_hz = 25.0\n[tasks.mine]\n{OWN}writes = ['world']\n")
     assert said == (
         "/venue.toml, line 8: tasks.mine.writes; found: world, which serve writes; accepted: one writer for a record"
@@ -69,11 +69,11 @@ def test_a_wrong_line_is_named_with_its_file_and_number(tmp_path: Path) -> None:
         (f"[tasks.compile]\n{OWN}", "tasks.compile; found: compile; accepted: another name"),
     ],
 )
-def test_names_of_the_supervisors_processes_are_refused(tmp_path: Path, text: str, said: str) -> None:
+def test_reserved_names_of_processes_are_refused(tmp_path: Path, text: str, said: str) -> None:
     assert said in check(tmp_path, text)
 
 
-def test_a_task_of_ones_own_stands_in_the_table_and_has_a_record(tmp_path: Path) -> None:
+def test_a_users_own_task_is_in_the_table_and_has_its_record(tmp_path: Path) -> None:
     venue = tmp_path / "venue.toml"
     venue.write_text(f"[tasks.mine]\n{OWN}reads = ['world']\nwrites = ['lab/mine']\n")
     settings = load_settings(str(venue))
@@ -83,7 +83,7 @@ def test_a_task_of_ones_own_stands_in_the_table_and_has_a_record(tmp_path: Path)
     assert "lab/mine" in {spec.name for spec in record_specs(settings, task_table(settings), [])}
 
 
-def test_a_watcher_without_a_line_in_the_settings_runs_once_a_second_as_an_ordinary_task() -> None:
+def test_a_watcher_without_settings_runs_once_a_second_without_real_time_priority() -> None:
     settings = load_settings()
     others = {name: line for name, line in settings.tasks.items() if name != "lines"}
     table = {task.name: task for task in task_table(msgspec.structs.replace(settings, tasks=others))}
