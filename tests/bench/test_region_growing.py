@@ -77,7 +77,7 @@ def box_of(blob: Any) -> Box:
 
 
 @pytest.mark.parametrize("density", [0.2, 0.4, 0.6, 0.95])
-def test_a_region_is_what_segmentation_says(density: float) -> None:
+def test_a_region_equals_the_blob_of_the_reference_segmentation(density: float) -> None:
     rng, buffers = np.random.default_rng(4), growing_buffers(53, 37)
     for _ in range(10):
         labels = rng.integers(1, 4, (37, 53)) * (rng.random((37, 53)) < density)
@@ -124,7 +124,7 @@ def test_rings_meet_every_point_of_their_grid_once_the_nearest_first(x: int, y: 
 
 @settings(deadline=None, max_examples=60)
 @given(st.integers(4, 400), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.integers(0, 119), st.integers(0, 89))
-def test_no_disc_hides_between_the_rings(area: int, dx: float, dy: float, x: int, y: int) -> None:
+def test_no_disc_fits_between_the_points_of_the_rings(area: int, dx: float, dy: float, x: int, y: int) -> None:
     labels = np.zeros((90, 120), dtype=np.int64)
     mask = disc(labels, 60.0 + dx, 45.0 + dy, math.sqrt(area / math.pi))
     limits = GrowingLimits(max(1, area * 4 // 5), area * 2)
@@ -155,7 +155,7 @@ def test_the_nearest_valid_region_is_found(discs: list[tuple[int, int, float]], 
         assert rings[box_of(blob)] <= min(rings.values()) + 2 * step + 12
 
 
-def test_what_is_too_large_is_not_cut_to_size() -> None:
+def test_a_region_above_the_largest_area_is_rejected_as_a_whole() -> None:
     labels = np.zeros((90, 120), dtype=np.int64)
     labels[10:60, 10:80] = 1
     assert found(labels, (40, 30), GrowingLimits(20, 100))[0] == NOT_FOUND
@@ -165,7 +165,7 @@ def test_what_is_too_large_is_not_cut_to_size() -> None:
     assert (blob["x_px"], blob["y_px"]) == (100.0, 75.0)
 
 
-def test_a_flood_costs_no_more_than_the_budget() -> None:
+def test_the_budget_limits_the_pixels_that_are_grown() -> None:
     labels = np.ones((90, 120), dtype=np.int64)
     buffers = growing_buffers(120, 90)
     assert found(labels, (60, 45), GrowingLimits(20, 100, budget_px=500), buffers=buffers)[0] == NOT_FOUND
@@ -202,7 +202,7 @@ def test_an_object_in_the_wrong_surroundings_is_passed_over() -> None:
     assert found(labels, (30, 45), GrowingLimits(10, 500))[1]["x_px"] == 30.0
 
 
-def test_what_lay_in_the_surroundings_of_another_is_still_found() -> None:
+def test_an_object_in_the_surroundings_of_a_rejected_region_is_found() -> None:
     labels = np.full((60, 60), 2, dtype=np.int64)
     labels[:, :20] = 0  # the left one is half surrounded
     disc(labels, 20, 30, 4.0)
@@ -213,7 +213,7 @@ def test_what_lay_in_the_surroundings_of_another_is_still_found() -> None:
     assert blob["x_px"] == 30.0
 
 
-def test_a_seed_finds_what_one_cell_of_the_table_mixes() -> None:
+def test_a_seed_separates_colors_that_share_a_cell_of_the_table() -> None:
     pixels = np.full((60, 80, 3), (64, 64, 64), dtype=np.uint8)
     pixels[20:30, 20:30] = (64, 66, 70)  # all three lie in the same cell as the ground
     pixels[20:30, 50:60] = (70, 65, 64)
@@ -262,7 +262,7 @@ def test_a_tracker_follows_predicts_loses_and_finds_again() -> None:
             assert tracker.predict(after(at, 1.0)) == pytest.approx(rolling(9))
 
 
-def test_a_similar_thing_beside_it_is_not_taken_while_the_object_is_there() -> None:
+def test_a_similar_object_beside_it_does_not_replace_the_object() -> None:
     tracker = GrowingTracker(320, 240, A, GrowingLimits(30, 120), TABLE)
     for frame in range(40):
         labels = np.zeros((240, 320), dtype=np.int64)
@@ -274,7 +274,7 @@ def test_a_similar_thing_beside_it_is_not_taken_while_the_object_is_there() -> N
         assert blob["x_px"][0] == pytest.approx(rolling(frame)[0])
 
 
-def test_while_patience_lasts_no_other_is_taken_for_what_is_hidden() -> None:
+def test_during_patience_a_distant_object_does_not_replace_the_hidden_one() -> None:
     limits = GrowingLimits(30, 120, near_px=20.0, patience_s=0.5)
     tracker = GrowingTracker(320, 240, A, limits, TABLE, start_px=(50.0, 60.0))
     assert tracker.last_px == (50.0, 60.0)
@@ -287,7 +287,7 @@ def test_while_patience_lasts_no_other_is_taken_for_what_is_hidden() -> None:
         assert (None if blob is None else blob["x_px"][0]) == (50.0 if frame == 0 else None if frame <= 15 else 150.0)
 
 
-def test_stamps_begin_anew_before_their_numbers_run_out() -> None:
+def test_stamps_are_cleared_before_their_numbers_overflow() -> None:
     labels = np.zeros((30, 40), dtype=np.int64)
     disc(labels, 20, 15, 4.0)
     buffers = growing_buffers(40, 30)
@@ -309,6 +309,6 @@ def test_the_kernel_is_compiled_once() -> None:
     assert len(kernel.signatures) == 1
 
 
-def test_pictures_of_another_size_are_a_bug() -> None:
+def test_a_picture_of_another_size_raises() -> None:
     with pytest.raises(AssertionError, match="another size"):
         GrowingTracker(40, 30, A, GrowingLimits(10, 100), TABLE).follow(np.zeros((40, 30, 3), dtype=np.uint8), START)

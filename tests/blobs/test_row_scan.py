@@ -167,7 +167,7 @@ def test_over_budget_the_reference_takes_over() -> None:
         assert fast.blobs[:count].tolist() == reference(pixels, TABLE, chosen).tolist()
 
 
-def test_without_room_it_says_so() -> None:
+def test_overflow_is_reported() -> None:
     labels = np.zeros((60, 60), dtype=np.int64)
     labels[::2, ::2] = 1
     for changes in ({"max_blobs": 50}, {"max_runs": 100}):
@@ -189,7 +189,7 @@ def test_min_height() -> None:
     assert min_height_px(0.5, 0.55) == 1
 
 
-def test_pictures_of_another_size_are_a_bug() -> None:
+def test_a_picture_of_another_size_raises() -> None:
     with pytest.raises(AssertionError, match="is not"):
         RowScanSegmenter(30, 10, settings(), 2).segment(np.zeros((30, 10, 3), dtype=np.uint8), TABLE, PREFILTER)
 

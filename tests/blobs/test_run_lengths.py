@@ -108,7 +108,7 @@ def test_small_blobs_are_left_out() -> None:
     assert segmented(labels, settings(min_area_px=4))[0]["area_px"].tolist() == [4]
 
 
-def test_nothing_of_the_picture_before_is_left() -> None:
+def test_no_blob_of_the_previous_picture_remains() -> None:
     rng = np.random.default_rng(3)
     segmenter = ReferenceSegmenter(60, 40, settings())
     for density in (0.6, 0.05, 0.3):
@@ -132,6 +132,6 @@ def test_overflow_keeps_what_fits_and_says_so(max_runs: int, max_blobs: int) -> 
     assert len(full) == 441
 
 
-def test_pictures_of_another_size_are_a_bug() -> None:
+def test_a_picture_of_another_size_raises() -> None:
     with pytest.raises(AssertionError, match="is not"):
         ReferenceSegmenter(30, 10, settings()).segment(np.zeros((30, 10, 3), dtype=np.uint8), blue_table())

@@ -15,7 +15,7 @@ from vision_core.venues.loader import load_settings
 NOW = Instant(4000 * NS_PER_S)
 
 
-def test_a_stamp_of_our_clock_is_believed() -> None:
+def test_a_monotonic_driver_timestamp_is_used() -> None:
     assert driver_instant(4_000_000.0 - 25.5, NOW) == NOW - 25_500_000
 
 
@@ -24,11 +24,11 @@ def test_a_stamp_of_our_clock_is_believed() -> None:
     [0.0, -1.0, 1.7e12, 4_000_000.0 - 1500.0, 4_000_000.0 + 20.0],
     ids=["none", "error", "wall clock", "too old", "future"],
 )
-def test_other_stamps_are_not(stamp_ms: float) -> None:
+def test_other_driver_timestamps_are_not_used(stamp_ms: float) -> None:
     assert driver_instant(stamp_ms, NOW) is None
 
 
-def test_a_stamp_rounded_past_now_is_now() -> None:
+def test_a_timestamp_in_the_future_by_rounding_becomes_now() -> None:
     assert driver_instant(4_000_000.0 + 0.4, NOW) == NOW
     assert driver_instant((NOW - 3 * NS_PER_MS) / NS_PER_MS, NOW) == NOW - 3 * NS_PER_MS
 

@@ -164,7 +164,7 @@ def test_what_is_no_picture_is_refused_by_name(tmp_path: Path, name: str) -> Non
         opened(tmp_path / name)
 
 
-def test_nothing_there_and_nothing_in_it(tmp_path: Path) -> None:
+def test_a_missing_file_and_an_empty_folder_are_refused(tmp_path: Path) -> None:
     with pytest.raises(SourceError, match="No such file"):
         opened(tmp_path / "absent.png")
     with pytest.raises(SourceError, match="no picture of this size"):

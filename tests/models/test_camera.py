@@ -1,4 +1,4 @@
-"""Maps between pixels and the field: there and back again, and OpenCV as an independent twin."""
+"""Maps between pixels and the field: round trips, and OpenCV as an independent reference."""
 
 import math
 
@@ -68,7 +68,7 @@ def test_a_high_marker_taken_for_the_floor_is_54_mm_too_far_out() -> None:
 
 
 @given(cameras())
-def test_heights_lie_on_one_ray(camera: PinholeCamera) -> None:
+def test_points_of_one_pixel_at_several_heights_lie_on_one_ray(camera: PinholeCamera) -> None:
     pixels = camera.pixel_from_field(GRID)
     low, middle, high = (camera.field_from_pixel(pixels, h) for h in (0.0, 0.1, 0.2))
     np.testing.assert_allclose(middle, (low + high) / 2.0, atol=1e-9)
@@ -90,7 +90,7 @@ def test_points_behind_the_camera_have_no_pixel() -> None:
 
 
 @given(cameras())
-def test_scale_is_the_distance_of_neighbors(camera: PinholeCamera) -> None:
+def test_scale_is_the_distance_between_neighboring_pixels_on_the_floor(camera: PinholeCamera) -> None:
     scale = camera.pixels_per_metre((0.3, 0.2), 0.1)
     square = np.array([[0.295, 0.195], [0.305, 0.195], [0.305, 0.205], [0.295, 0.205]])
     corners = camera.pixel_from_field(square, 0.1)
@@ -138,7 +138,7 @@ def test_points_that_do_not_span_the_field_are_refused(points: list[list[float]]
         HomographyCamera(np.array(points) * 100.0, np.array(points), (0.0, 0.0, 4.0))
 
 
-def test_what_is_handed_out_cannot_be_changed() -> None:
+def test_arrays_of_a_camera_are_read_only() -> None:
     camera = straight_down()
     for array in (camera.position_m, camera.center_px, camera.distortion, camera.camera_from_field):
         with pytest.raises(ValueError, match="read-only"):

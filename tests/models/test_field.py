@@ -64,7 +64,7 @@ def test_a_field_without_goals_is_closed() -> None:
     assert all(count == 2 for count in ends(segments).values())
 
 
-def test_where_mouths_and_limits_stand() -> None:
+def test_positions_of_goal_mouths_and_limits() -> None:
     assert goal_line_x(CUT) == pytest.approx(1.45)  # in the wall
     assert goal_line_x(OPEN) == pytest.approx(4.5)  # on the line
     assert accepted_half_extent(CUT) == pytest.approx((1.45, 1.2))
@@ -87,13 +87,13 @@ def test_where_a_ball_may_be(x: float, y: float, accepted: bool) -> None:
     assert is_accepted(WALLED, -x, -y) is accepted
 
 
-def test_an_out_ball_does_not_vanish_at_the_line() -> None:
+def test_a_ball_just_outside_the_lines_is_accepted() -> None:
     assert is_accepted(OPEN, 4.6, 0.0)
     assert is_accepted(OPEN, 0.0, 3.4)
     assert not is_accepted(OPEN, 0.0, 3.5)
 
 
-def test_lines_are_painted_inside_the_measures() -> None:
+def test_lines_lie_inside_the_dimensions_of_the_field() -> None:
     lines, arcs = field_lines(WALLED)
     assert max(abs(value) for line in lines for value in line) == pytest.approx(1.4 - 0.005)
     assert len(lines) == 11

@@ -77,7 +77,7 @@ def test_round_trip_of_the_papers_mirror_from_0_to_a_kilometre() -> None:
 
 
 @given(mirrors())
-def test_farther_is_farther_out_and_flatter(mirror: Mirror) -> None:
+def test_the_radius_grows_with_distance_at_a_falling_rate(mirror: Mirror) -> None:
     px = mirror.px_from_mm(np.geomspace(1.0, 1e5, 200))
     assert (np.diff(px) > 0.0).all()
     spans = np.diff(mirror.mm_from_px(np.linspace(0.0, 0.99 * mirror.horizon_px, 200)))
@@ -100,7 +100,9 @@ def test_farther_is_farther_out_and_flatter(mirror: Mirror) -> None:
         (6.0, 0.0125935, 90000.0, "20..254 px"),  # horizon 370 px
     ],
 )
-def test_refused_and_the_violated_rule_is_named(a: float, b: float, c: float, rule: str) -> None:
+def test_impossible_constants_are_refused_with_the_rule_that_they_violate(
+    a: float, b: float, c: float, rule: str
+) -> None:
     with pytest.raises(SettingsError, match=rule):
         Mirror(a, b, c)
 

@@ -28,7 +28,9 @@ def package(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(("file", "before", "after"), CONSTANTS, ids=[file for file, _, _ in CONSTANTS])
-def test_a_constant_in_a_file_without_kernels(tmp_path: Path, file: str, before: str, after: str) -> None:
+def test_a_constant_in_a_file_without_kernels_changes_the_fingerprint(
+    tmp_path: Path, file: str, before: str, after: str
+) -> None:
     copy = tmp_path / "vision_core"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     original = kernel_fingerprint(PARSED, copy)
@@ -39,7 +41,7 @@ def test_a_constant_in_a_file_without_kernels(tmp_path: Path, file: str, before:
     assert kernel_fingerprint(dict(PARSED), copy) != original
 
 
-def test_words_and_layout_do_not_count(package: Path) -> None:
+def test_comments_and_layout_do_not_change_the_fingerprint(package: Path) -> None:
     original = kernel_fingerprint({}, package)
     (package / "part" / "constants.py").write_text(
         '"""Other words."""\nROOM = (\n    64\n)  # a remark\n"""And others."""\n'
@@ -49,25 +51,25 @@ def test_words_and_layout_do_not_count(package: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["ROOM = 32\n", "", 'ROOM = "64"\n', "ROOM = 64\nROOM\n"])
-def test_code_counts(package: Path, text: str) -> None:
+def test_code_changes_the_fingerprint(package: Path, text: str) -> None:
     original = kernel_fingerprint({}, package)
     (package / "part" / "constants.py").write_text(text)
     assert kernel_fingerprint({}, package) != original
 
 
-def test_a_file_that_moves_counts(package: Path) -> None:
+def test_a_moved_file_changes_the_fingerprint(package: Path) -> None:
     original = kernel_fingerprint({}, package)
     (package / "kernels.py").rename(package / "part" / "kernels.py")
     assert kernel_fingerprint({}, package) != original
 
 
-def test_two_checkouts_do_not_share(package: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_two_checkouts_have_different_fingerprints(package: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     other = tmp_path_factory.mktemp("other") / "package"
     shutil.copytree(package, other)
     assert kernel_fingerprint({}, other) != kernel_fingerprint({}, package)
 
 
-def test_options_of_numba_count(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compiler_options_of_numba_change_the_fingerprint(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     original = kernel_fingerprint({}, package)
     monkeypatch.setenv("NUMBA_NUM_THREADS", "7")
     assert kernel_fingerprint({}, package) == original

@@ -39,7 +39,7 @@ def test_every_format_says_its_size(data: bytes) -> None:
     assert picture_size(data) == (WIDTH, HEIGHT)
 
 
-def test_forms_that_opencv_does_not_write() -> None:
+def test_sizes_of_variants_that_opencv_does_not_write() -> None:
     assert picture_size(b"RIFF????WEBPVP8X" + bytes(8) + bytes([66, 0, 0, 40, 0, 0])) == (WIDTH, HEIGHT)
     assert picture_size(b"BM" + bytes(12) + struct.pack("<IHH", 12, WIDTH, HEIGHT)) == (WIDTH, HEIGHT)
     assert picture_size(b"BM" + bytes(12) + struct.pack("<Iii", 40, WIDTH, -HEIGHT)) == (WIDTH, HEIGHT)

@@ -37,7 +37,7 @@ def test_nobody_else_can_look_inside(folder: PrivateFolder) -> None:
 @pytest.mark.parametrize(
     "damage", [lambda data: data[:-1], lambda data: data[:5], lambda _: b"", lambda data: data[::-1]]
 )
-def test_damage_is_found(folder: PrivateFolder, damage: Callable[[bytes], bytes]) -> None:
+def test_a_damaged_file_is_detected(folder: PrivateFolder, damage: Callable[[bytes], bytes]) -> None:
     folder.write("file", b"text")
     path = folder.path / "file"
     path.write_bytes(damage(path.read_bytes()))
@@ -82,7 +82,7 @@ def test_a_link_to_a_folder_is_followed_only_when_asked(folder: PrivateFolder, t
         folder.subfolder("in")
 
 
-def test_a_folder_that_takes_its_place_is_not_seen(folder: PrivateFolder, tmp_path: Path) -> None:
+def test_a_folder_that_replaces_an_open_one_is_not_used(folder: PrivateFolder, tmp_path: Path) -> None:
     folder.write("file", b"ours")
     folder.path.rename(tmp_path / "moved")
     PrivateFolder.open(folder.path, follow_link=False).write("file", b"theirs")

@@ -1,4 +1,4 @@
-"""Centers finer than a pixel, on drawn discs with neighbors and on rendered markers, beside the centroid as twin."""
+"""Centers finer than a pixel, on drawn discs with neighbors and on rendered markers, compared with the centroid."""
 
 import math
 from typing import Any
@@ -139,7 +139,7 @@ def test_rendered_dots_are_four_times_as_exact_as_centroids_and_known_as_well() 
     options = {"synthetic.exposure_ms": 0.0, "camera.rate_hz": 5.0}
     refined, plain, sds = markers(load_settings(options=options), 30)
     assert len(refined) > 1000
-    rms, twin = math.sqrt(float((refined**2).mean())), math.sqrt(float((plain**2).mean()))
+    rms, centroid_rms = math.sqrt(float((refined**2).mean())), math.sqrt(float((plain**2).mean()))
     assert rms < 0.03
-    assert rms < twin / 3.0
+    assert rms < centroid_rms / 3.0
     assert 0.7 <= float(((refined**2).sum(axis=1) / 2.0 / sds**2).mean()) <= 1.4

@@ -71,7 +71,7 @@ def test_an_empty_field_shows_nothing(perception: Perception) -> None:
     assert (seen.robots, seen.balls) == ((), ())
 
 
-def test_overflow_is_told() -> None:
+def test_overflow_is_reported() -> None:
     blobs = msgspec.structs.replace(SETTINGS.blobs, max_runs=100)
     perception = Perception(msgspec.structs.replace(SETTINGS, blobs=blobs), CAMERA)
     size = CAMERA.shape

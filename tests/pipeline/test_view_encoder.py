@@ -204,7 +204,7 @@ def test_a_robot_at_no_finite_place_has_no_view() -> None:
     assert see(batch, 1).edges.count(b"w") > 100
 
 
-def test_directions_off_the_grid_are_our_own_misuse() -> None:
+def test_directions_off_the_grid_raise() -> None:
     with pytest.raises(ValueError, match=r"every 0.3 deg"):
         ENCODER.request(Team.BLUE, 1, Options(resolution_deg=0.3), nul=False)
 

@@ -18,7 +18,7 @@ def picture(carpet: float, paint: float, painted: float = 0.02) -> np.ndarray:
     return np.repeat(np.clip(grey, 0.0, 255.0).astype(np.uint8)[..., None], 3, axis=2)
 
 
-def test_good_light_is_not_blamed() -> None:
+def test_good_light_gives_no_problem() -> None:
     for carpet, paint in ((80.0, 200.0), (20.0, 140.0), (120.0, 255.0)):
         assert exposure_reasons(picture(carpet, paint), POINTS) == ()
 
@@ -53,7 +53,7 @@ def test_numbers_follow_the_light() -> None:
     assert white == pytest.approx(0.1, abs=0.02)
 
 
-def test_nothing_of_the_field_has_no_numbers() -> None:
+def test_a_picture_without_the_field_has_no_figures() -> None:
     check = exposure_check(picture(80.0, 200.0), np.empty((0, 2)))
     assert check.brightest is check.median_luma is check.white is None
     assert check.reasons == exposure_reasons(picture(80.0, 200.0), np.empty((0, 2)))

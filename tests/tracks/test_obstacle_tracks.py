@@ -137,14 +137,14 @@ def test_square_robots_are_square(heading: float, inside: bool) -> None:
     assert bool(places(world)) is not inside
 
 
-def test_two_that_cross_are_two() -> None:
+def test_two_obstacles_that_cross_stay_two() -> None:
     film = Film()
     film.show((0.0, 0.0), (0.2, 0.0))
     world = film.show((0.05, 0.0), (0.15, 0.0))
     assert [obstacle.x_m for obstacle in world.obstacles] == pytest.approx([0.05, 0.15], abs=0.005)
 
 
-def test_more_than_there_is_room_for_and_at_no_place() -> None:
+def test_too_many_obstacles_and_obstacles_without_a_place() -> None:
     film = Film()
     crowd = [(math.nan, 0.0), *((float(x), float(y)) for x, y in np.ndindex(10, 10))]
     film.show(*crowd)

@@ -103,7 +103,7 @@ def test_motion_is_followed_and_predicted_at_every_rate(rate_hz: float) -> None:
     assert film.predict(world.at) == world  # predicting changed nothing
 
 
-def test_headings_wrap_without_a_swing() -> None:
+def test_a_heading_that_crosses_180_degrees_does_not_swing_back() -> None:
     film = Film()
     for frame in range(40):
         heading = math.pi - 0.1 + 0.005 * frame

@@ -18,7 +18,7 @@ def picture_at(settings: Settings, image: Bytes, points: Floats, height_m: float
     return np.asarray(image[pixels[:, 1], pixels[:, 0]].mean(axis=1))
 
 
-def test_floor_points_agree_with_the_camera_model_between_the_worked_out_rays() -> None:
+def test_interpolated_floor_points_agree_with_the_camera_model() -> None:
     settings = plain_settings()
     camera = CameraSetup.from_settings(settings)
     floor = make_background(settings, camera).floor

@@ -46,11 +46,11 @@ def test_it_clips_and_does_not_wrap() -> None:
     assert noisy(noise, 255).min() > 215
 
 
-def test_none_leaves_the_image_as_it_is() -> None:
+def test_zero_noise_does_not_change_the_image() -> None:
     assert (noisy(SensorNoise(synthetic(0.0, 0.0), int(np.prod(SHAPE))), 77) == 77).all()
 
 
-def test_a_seed_repeats_it() -> None:
+def test_equal_seeds_give_equal_noise() -> None:
     first, again, other = (SensorNoise(synthetic(3.0, 0.2, seed), int(np.prod(SHAPE))) for seed in (5, 5, 6))
     image = noisy(first, 90)
     assert np.array_equal(image, noisy(again, 90))

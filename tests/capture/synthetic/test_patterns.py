@@ -62,7 +62,7 @@ def test_a_square_robot_is_square() -> None:
 
 
 @pytest.mark.slow
-def test_teams_wear_their_own() -> None:
+def test_each_team_has_its_own_pattern() -> None:
     options = {"robots__blue__pattern": "vsss-diagonal", "robots__yellow__pattern": "mirosot-diagonal"}
     settings = plain_settings(**options, **CLOSE)
     (own,) = render(settings, scene(PLACE))

@@ -74,7 +74,7 @@ def test_the_center_dot_is_where_the_camera_model_says(lens: str) -> None:
             assert np.abs(found - expected).max() < 0.1, f"{lens} at {place}"
 
 
-def test_forgetting_the_height_would_be_noticed() -> None:
+def test_the_height_shifts_the_center_dot_by_several_pixels() -> None:
     settings = plain_settings()
     place = (1.2, 0.95, 1.0)
     (image,) = render(settings, scene(place))
@@ -95,7 +95,7 @@ def test_heading_turns_the_dots_anticlockwise() -> None:
             assert red < 120
 
 
-def test_motion_smears_along_the_way_and_shifts_nothing() -> None:
+def test_motion_blur_has_the_direction_of_motion_and_keeps_the_centroid() -> None:
     speed, exposure_s = 2.0, 0.020
     settings = plain_settings(synthetic__exposure_ms=exposure_s * 1e3)
     place = (0.1, 0.2, 0.5)
@@ -112,13 +112,13 @@ def test_motion_smears_along_the_way_and_shifts_nothing() -> None:
     assert np.abs(center - still_center).max() < 0.1
 
 
-def test_the_order_of_samples_in_time_prefers_no_direction() -> None:
+def test_rows_and_columns_of_samples_have_the_same_mean_time() -> None:
     assert (TIME_ORDER.sum(axis=0) == 34).all()
     assert (TIME_ORDER.sum(axis=1) == 34).all()
     assert sorted(TIME_ORDER.ravel().tolist()) == list(range(1, 17))
 
 
-def test_a_robot_hides_the_ball_behind_it_and_none_before_it() -> None:
+def test_a_robot_hides_the_ball_behind_it_but_not_in_front_of_it() -> None:
     settings = plain_settings(**LOW_CAMERA)
     robot, behind, before = (1.0, 0.7, math.pi), (1.111, 0.7), (0.86, 0.7)
     elsewhere = (-1.0, 0.0)
@@ -161,7 +161,7 @@ def test_shadows_darken_the_carpet_and_nothing_else_changes_far_away() -> None:
     assert (change[:20] == 0).all()
 
 
-def test_things_outside_the_image_are_no_trouble() -> None:
+def test_bodies_partly_outside_the_image_are_clipped() -> None:
     settings = plain_settings()
     empty, partly = render(settings, scene((30.0, 30.0, 0.0)), scene((1.62, 0.0, 0.0), ball=(-1.62, 1.2)))
     assert empty.shape == partly.shape

@@ -84,7 +84,7 @@ def test_the_match_does_not_depend_on_the_frame_rate() -> None:
     assert np.allclose(slow.snapshot().ball, fast.snapshot().ball, atol=1e-6)
 
 
-def test_without_speed_all_stand_still() -> None:
+def test_with_speed_zero_nothing_moves() -> None:
     _, _, scenes = match(60, synthetic__speed_m_s=0.0)
     assert np.array_equal(scenes[0].robots, scenes[-1].robots)
     assert np.array_equal(scenes[0].ball, scenes[-1].ball)

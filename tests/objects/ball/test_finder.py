@@ -89,7 +89,7 @@ def test_no_blob_of_its_color_is_said(drawn: Picture) -> None:
     assert reasons == ("no ball: no orange blob",)
 
 
-def test_too_small(drawn: Picture, place: Place) -> None:
+def test_a_too_small_blob_is_rejected(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     balls, reasons = found(drawn, ball_settings(min_area=1.5))
     assert len(balls) == 0
@@ -98,7 +98,7 @@ def test_too_small(drawn: Picture, place: Place) -> None:
     assert "times the area expected from camera height and ball radius" in reasons[1]
 
 
-def test_too_large(drawn: Picture, place: Place) -> None:
+def test_a_too_large_blob_is_rejected(drawn: Picture, place: Place) -> None:
     drawn.paint_disc("orange", *place, 0.05, RADIUS)
     balls, reasons = found(drawn)
     assert len(balls) == 0
@@ -114,7 +114,7 @@ def test_a_half_hidden_ball_passes_and_is_known_worse(drawn: Picture, place: Pla
     assert math.dist((half["x_m"], half["y_m"]), place) < 3.0 * half["position_sd_m"]
 
 
-def test_too_long(drawn: Picture, place: Place) -> None:
+def test_an_elongated_blob_is_rejected(drawn: Picture, place: Place) -> None:
     for step in (-0.02, -0.01, 0.0, 0.01, 0.02):
         drawn.paint_disc("orange", place[0] + step * math.cos(0.35), place[1] + step * math.sin(0.35), 0.010, RADIUS)
     reasons = found(drawn)[1]
@@ -123,7 +123,7 @@ def test_too_long(drawn: Picture, place: Place) -> None:
     assert len(found(drawn, ball_settings(max_elongation=4.0, min_confidence=0.1))[0]) == 1
 
 
-def test_too_ragged(drawn: Picture, place: Place) -> None:
+def test_a_ragged_blob_is_rejected(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     drawn.paint_disc("carpet", place[0] + 0.012, place[1] + 0.012, 0.015, RADIUS)
     assert len(found(drawn, ball_settings(min_fill=0.2))[0]) == 1
@@ -142,7 +142,7 @@ def test_dribbled_passes_and_on_top_of_a_robot_not(drawn: Picture, place: Place)
     assert "50 mm from a robot's center; accepted: 75 or more" in reasons[1]
 
 
-def test_off_the_field(drawn: Picture, place: Place) -> None:
+def test_a_ball_off_the_field_is_rejected(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     goal = msgspec.structs.replace(SETTINGS.field.goal, depth_m=0.0)
     edge = 2.0 * abs(place[0])
@@ -152,7 +152,7 @@ def test_off_the_field(drawn: Picture, place: Place) -> None:
     assert "1 off the field" in found(drawn, field=small)[1][0]
 
 
-def test_surroundings(drawn: Picture, place: Place) -> None:
+def test_surroundings_of_the_wrong_color_are_rejected(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     carpet = (ColorRange(hue_deg=(90.0, 150.0), saturation=(0.3, 0.7), value=(0.2, 0.5)),)
     classes = {**SETTINGS.colors.classes, "carpet": carpet}
@@ -169,7 +169,7 @@ def test_surroundings(drawn: Picture, place: Place) -> None:
     assert len(found(half, ball_settings(surrounding=("carpet",), min_surrounding=0.3), table=table)[0]) == 1
 
 
-def test_too_little_confidence(drawn: Picture, place: Place) -> None:
+def test_too_little_confidence_is_rejected(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     assert "below ball.min_confidence" in found(drawn, ball_settings(min_confidence=1.0))[1][0]
 
@@ -198,7 +198,7 @@ def test_between_the_lines_comes_before_a_better_one_outside(drawn: Picture, pla
     assert first["confidence"] < second["confidence"]
 
 
-def test_one_signature(drawn: Picture, place: Place) -> None:
+def test_one_signature_is_compiled(drawn: Picture, place: Place) -> None:
     drawn.paint_ball(*place)
     kernel: Any = find_balls
     found(drawn)
