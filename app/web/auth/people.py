@@ -164,6 +164,8 @@ class People:
     def revoke_token(self, number: int) -> Token | None:
         """Make a token worthless; None: there is none of this number."""
         token = next((each for each in self.tokens() if each.id == number), None)
+        if token is None:
+            return None
         with self._file.writing() as connection:
             connection.execute("DELETE FROM tokens WHERE id = ?", (number,))
         return token

@@ -2,15 +2,17 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from http import HTTPStatus
 
-from fastapi import APIRouter, HTTPException, Response
+from fastapi import APIRouter, HTTPException, Request, Response
 from msgspec import structs
 
+from app.web.auth.identity import Role, identity_of
 from app.web.blackboard import Blackboard
 from app.web.cached import Cached
 from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
-from app.web.problems import MEDIA_TYPE, ProblemDetails
+from app.web.problems import MEDIA_TYPE, PROBLEM, ProblemDetails, RequestRefused
 from app.web.reports.field import Field, field_from
 from app.web.reports.status import Status, status_from
 from vision_core.native.opencv import encode_jpeg
@@ -51,14 +53,22 @@ def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Co
         response_class=Response,
         responses={
             200: {"content": {"image/jpeg": {}}, "description": "The newest picture in full size"},
+            403: PROBLEM | {"description": "In a match only the operator sees where everything is now"},
             503: {
                 "content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}},
                 "description": "No image yet",
             },
         },
     )
-    def snapshot_jpg() -> Response:
+    def snapshot_jpg(request: Request) -> Response:
         """The newest picture in full size; the header ``X-Frame-Number`` is the number of its frame."""
+        if configuration.settings.match.mode == "match" and identity_of(request).role is not Role.OPERATOR:
+            raise RequestRefused(
+                HTTPStatus.FORBIDDEN,
+                "the newest picture",
+                found="a match, in which only the operator sees where everything is now",
+                accepted="the operator's session or token; on the page the picture comes late",
+            )
         picture = blackboard.picture()
         if picture is None:
             raise HTTPException(503, "no image yet")

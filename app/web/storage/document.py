@@ -181,7 +181,8 @@ class Document:
         return (undo[-1] if undo else None), (redo[-1] if redo else None)
 
     def _check_unchanged_since(self, seen: int, values: Mapping[str, Any]) -> None:
-        for change in self._changes("WHERE revision > ? ORDER BY revision DESC", seen):
+        known = min(max(seen, 0), self.revision)  # SQLite takes no number of any size
+        for change in self._changes("WHERE revision > ? ORDER BY revision DESC", known):
             if keys := tuple(entry.key for entry in change.entries if entry.key in values):
                 raise ConflictError(change, keys)
 

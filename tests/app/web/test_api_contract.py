@@ -1,6 +1,8 @@
 """The whole API answers generated requests of an operator as its OpenAPI document says, and never with a bug."""
 
+from collections import Counter
 from collections.abc import Iterator
+from typing import Any
 
 import httpx
 import hypothesis
@@ -41,10 +43,10 @@ def address(service: FakeService) -> Iterator[str]:
 def test_generated_requests_are_answered_as_documented(service: FakeService, address: str) -> None:
     schema = schemathesis.openapi.from_url(f"http://{address}/openapi.json")
     wrong: dict[str, str] = {}
-    tried = 0
+    codes: Counter[int] = Counter()
     for found in schema.get_all_operations():
-        operation = found.ok()
-        if operation.path in {"/api/v1/logout", "/api/v1/password"}:  # they end what the others need
+        operation = found.ok()  # type: ignore[union-attr] (an error raises here)
+        if operation.path in {"/api/v1/logout", "/api/v1/password", "/api/v1/tokens/{number}"}:  # end what others need
             continue
 
         @hypothesis.settings(
@@ -56,10 +58,9 @@ def test_generated_requests_are_answered_as_documented(service: FakeService, add
             derandomize=True,
         )
         @hypothesis.given(case=operation.as_strategy())
-        def ask(case: schemathesis.Case) -> None:
-            nonlocal tried
-            tried += 1
+        def ask(case: schemathesis.Case[Any]) -> None:
             response = case.call(headers=service.operator, timeout=NO_MORE_THAN_S)
+            codes[response.status_code] += 1
             if response.status_code not in UNAVAILABLE:
                 case.validate_response(response, checks=CHECKS)
 
@@ -68,4 +69,5 @@ def test_generated_requests_are_answered_as_documented(service: FakeService, add
         except Exception as problem:  # noqa: BLE001 (all operations are tried, then all problems told)
             wrong[f"{operation.method.upper()} {operation.path}"] = str(problem)[:1500]
     assert not wrong, "\n\n".join(f"{name}: {problem}" for name, problem in wrong.items())
-    assert tried > 200
+    assert codes.total() > 200
+    assert codes[401] <= EXAMPLES, "only wrong logins; the token is good"

@@ -140,6 +140,21 @@ def test_a_session_is_a_cookie_that_scripts_cannot_read(address: str, people: Pe
         assert http.get("/api/v1/me").json()["name"] == "viewer"
 
 
+def test_in_a_match_the_newest_picture_is_the_operators(address: str, service: FakeService, people: People) -> None:
+    snapshot, match = f"http://{address}/api/v1/snapshot.jpg", f"http://{address}/api/v1/match"
+    wait_for(lambda: httpx.get(snapshot).status_code == 200)
+    assert httpx.patch(match, json={"mode": "match"}, headers=service.operator).status_code == 200
+    try:
+        with httpx.Client() as team:
+            key = people.team_keys.renew("cgn")
+            assert team.post(f"http://{address}/api/v1/login", json={"secret": key}).status_code == 200
+            for refused in (httpx.get(snapshot), httpx.head(snapshot), team.get(snapshot)):
+                assert refused.status_code == 403
+        assert httpx.get(snapshot, headers=service.operator).status_code == 200
+    finally:
+        assert httpx.patch(match, json={"mode": "practice"}, headers=service.operator).status_code == 200
+
+
 def test_who_guesses_has_to_wait_and_is_written_down(service: FakeService, people: People) -> None:
     server = PageServer(service)
     server.start()
