@@ -45,7 +45,7 @@ def test_generated_requests_are_answered_as_documented(service: FakeService, add
     wrong: dict[str, str] = {}
     codes: Counter[int] = Counter()
     for found in schema.get_all_operations():
-        operation = found.ok()  # type: ignore[union-attr] (an error raises here)
+        operation = found.ok()  # type: ignore[union-attr]  # an error raises here
         if operation.path in {"/api/v1/logout", "/api/v1/password", "/api/v1/tokens/{number}"}:  # end what others need
             continue
 
