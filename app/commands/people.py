@@ -80,6 +80,8 @@ def _people(database: Path | None) -> "Iterator[People]":
     if notice:
         typer.echo(notice, err=True)
     people = People(folder / NAME)
+    if people.notice:
+        typer.echo(people.notice, err=True)
     try:
         yield people
     finally:

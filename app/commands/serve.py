@@ -105,6 +105,8 @@ def _link(page: str, database: Path) -> str:
     from app.web.auth.people_file import NAME
 
     people = People(database / NAME)
+    if people.notice:
+        print_line(people.notice)
     token = people.first_run_token()
     people.close()
     return f"{page}/?token={token}" if token else page

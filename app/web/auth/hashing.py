@@ -25,7 +25,7 @@ def new_secret(prefix: str = "") -> str:
 
 def digest(secret: str) -> str:
     """What is stored of a random secret."""
-    return hashlib.sha256(secret.encode("utf-8", "surrogatepass")).hexdigest()
+    return hashlib.sha256(_bytes(secret)).hexdigest()
 
 
 def is_same(stored: str, computed: str) -> bool:
@@ -35,12 +35,17 @@ def is_same(stored: str, computed: str) -> bool:
 
 def hash_password(password: str) -> str:
     """What is stored of a password. Takes about 60 ms of processor time."""
-    return _hasher.hash(password)
+    return _hasher.hash(_bytes(password))
 
 
 def is_password(stored: str, password: str) -> bool:
     """Does a password have this hash? Takes about 60 ms of processor time."""
     try:
-        return _hasher.verify(stored, password)
+        return _hasher.verify(stored, _bytes(password))
     except (VerificationError, InvalidHashError):
         return False
+
+
+def _bytes(secret: str) -> bytes:
+    """A stranger may send half a character; it is wrong like any other secret."""
+    return secret.encode("utf-8", "surrogatepass")
