@@ -1,7 +1,7 @@
 """The gate in front of every route and WebSocket: under which name we were asked, who asks, and whether he may.
 
-In this order, the cheapest first: the name in the header Host (DNS rebinding), origin, length and kind of a request
-that changes something (foreign pages), the session or token (who), the table of ``auth.rules`` (may he). Loopback is no
+In this order, the cheapest first: the name in the header Host (DNS rebinding), its origin (foreign pages), length and
+kind of what changes something, the session or token (who), the table of ``auth.rules`` (may he). Loopback is no
 identity: whoever may log in to this machine may not therefore change a match.
 """
 
@@ -76,7 +76,7 @@ class Gate:
             accepted = "an IP address, localhost, this machine's name, or a name of server.hosts"
             return HTTPStatus.MISDIRECTED_REQUEST, f"a page at {cut(host)}; accepted: {accepted}"
         changes = method not in READING
-        if (changes or scope["type"] == "websocket") and not is_same_origin(headers.get("origin"), host):
+        if not is_same_origin(headers.get("origin"), host):
             return HTTPStatus.FORBIDDEN, f"a page of {cut(headers['origin'])} may not do that here"
         return _wrong_body(headers, scope["path"]) if changes else None
 

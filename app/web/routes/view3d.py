@@ -6,8 +6,7 @@ from pathlib import Path
 from fastapi import APIRouter, WebSocket
 from fastapi.responses import FileResponse
 
-from app.web.middleware.security_headers import is_same_origin
-from app.web.view3d.view import POLICY_VIOLATION, View3D
+from app.web.view3d.view import View3D
 
 PAGE_POLICY = (
     "default-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; connect-src 'self' data: blob:; object-src 'none'; "
@@ -34,10 +33,7 @@ def view3d_routes(view: View3D) -> APIRouter:
         return FileResponse(page, headers={"Content-Security-Policy": PAGE_POLICY})
 
     async def relay(browser: WebSocket) -> None:
-        if is_same_origin(browser.headers.get("origin"), browser.headers.get("host")):
-            await view.relay(browser)
-        else:
-            await browser.close(POLICY_VIOLATION)
+        await view.relay(browser)
 
     router.add_api_websocket_route("/view3d", relay)
     router.add_api_websocket_route("/view3d/", relay)

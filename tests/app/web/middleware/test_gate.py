@@ -112,6 +112,10 @@ def test_foreign_origins_change_nothing_and_open_no_connection(address: str, ser
             headers = {**service.operator, "origin": origin}
             answer = httpx.request(method, f"http://{address}{path}", json={}, headers=headers)
             assert answer.status_code == 403, (method, path)
+        for method, path in operations(address):
+            if method in READING:
+                answer = httpx.request(method, f"http://{address}{path}", headers={"origin": origin})
+                assert answer.status_code == 403, (method, path)
         for path in SOCKETS:
             with pytest.raises(InvalidStatus, match="403"):
                 connect(f"ws://{address}{path}", additional_headers={"origin": origin}, proxy=None)
