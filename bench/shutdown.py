@@ -11,7 +11,7 @@ from bench.frame_path import VIEWS
 from bench.helpers import wait_with_progress
 from bench.runner import Row
 from bench.service import RunningService, is_alive
-from vision_core.net.control import restart
+from vision_core.net.control import restart, running_services
 from vision_core.rtdb.process_state import ProcessState
 
 TARGET = "watch"
@@ -97,7 +97,7 @@ def kill_supervisor(running: RunningService) -> list[Row]:
         "processes left": sum(is_alive(one) for one in pids),
         "processes that have its database mapped or open": len(_users_of(block)),
         "additional files in /dev/shm": len(_shared_memory_files() - files),
-        "control sockets left": int(f"@{running.control}" in Path("/proc/net/unix").read_text().split()),
+        "control sockets that answer": int(running.control in running_services()),
         "ports that cannot be bound again": _ports_in_use(running),
     }
     name = f"{GONE_WITHIN_S:g} s after the supervisor's SIGKILL"

@@ -18,7 +18,7 @@ from vision_core import startup
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.native.kernel_folder import DAMAGED, VARIABLE, choose_kernel_folder, delete_damaged
-from vision_core.net.control import PREFIX
+from vision_core.net.control_files import PREFIX
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo

@@ -56,6 +56,6 @@ class ServicePlan:
     spares: tuple[str, ...]
     """Names of the warm spares."""
     control: str
-    """Name of the abstract socket for requests, without the leading NUL: "pslv/8000"."""
+    """Name of the service, by which its control socket is found: "pslv/8000"."""
     spare_module: str
     """Main module of a warm spare; ``vision_core.startup.spare`` says what it must do."""

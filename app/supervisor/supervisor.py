@@ -117,7 +117,7 @@ class Supervisor:
     def _wait(self, tick_s: float) -> None:
         poller = select.poll()
         poller.register(self._woken, select.POLLIN)
-        for descriptor in self._control.descriptors():
+        for descriptor in self._control.descriptors(time.monotonic_ns()):
             poller.register(descriptor, select.POLLIN)
         for child in self._all:
             if child.pidfd is not None:

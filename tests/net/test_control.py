@@ -6,18 +6,22 @@ import mmap
 import os
 import select
 import socket
+import stat
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
 from app.supervisor import control as server
-from vision_core.clock import Instant, MonotonicClock
+from vision_core.clock import Instant, MonotonicClock, seconds_between
 from vision_core.errors import ServiceError
+from vision_core.net import control_files
 from vision_core.net.control import Attached, attach_to, restart, running_services
+from vision_core.net.control_files import names, path_for, paths_of
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store, create_block
 
@@ -48,7 +52,7 @@ class ControlThread:
 
     def run(self) -> None:
         while True:
-            ready, _, _ = select.select([self.ending, *self.socket.descriptors()], [], [], 0.05)
+            ready, _, _ = select.select([self.ending, *self.socket.descriptors(CLOCK.now())], [], [], 0.05)
             if self.ending in ready:
                 return
             for descriptor in ready:
@@ -75,7 +79,7 @@ def served(monkeypatch: pytest.MonkeyPatch) -> Iterator[ControlThread]:
 def connected() -> socket.socket:
     peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     peer.settimeout(10.0)
-    peer.connect(f"\0{NAME}")
+    peer.connect(str(path_for(NAME)))
     return peer
 
 
@@ -163,17 +167,45 @@ def test_a_refusal_says_what_was_asked_and_what_is_accepted(served: ControlThrea
 
 
 def test_a_service_that_does_not_run_is_named_with_those_that_do(served: ControlThread) -> None:
-    with pytest.raises(ServiceError, match=f"attach at service pslv/none; found: .*refused; accepted: .*{NAME}"):
+    with pytest.raises(
+        ServiceError, match=f"attach at service pslv/none; found: it does not run.*; accepted: .*{NAME}"
+    ):
         attach_to("pslv/none")
 
 
 def test_only_services_that_answer_are_listed(served: ControlThread) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as mute:
-        mute.bind(f"\0{NAME}-mute")
-        mute.listen(0)
+        path = path_for(f"{NAME}-mute")
+        mute.bind(str(path))
         mute.close()
         assert NAME in running_services()
+        assert f"{NAME}-mute" in names()
         assert f"{NAME}-mute" not in running_services()
+        abandoned = server.ControlSocket(f"{NAME}-mute", served.answer)  # takes the place of one that was killed
+        abandoned.close()
+        assert not path.exists()
+
+
+def test_of_many_connections_in_a_second_some_wait(served: ControlThread) -> None:
+    began = CLOCK.now()
+    for _ in range(2 * server.MAX_PER_S + 1):
+        attach_to(NAME).close()
+    assert seconds_between(began, CLOCK.now()) > 1.9
+
+
+def test_a_folder_that_somebody_else_has_made_is_not_entered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(control_files, "SHARED", (tmp_path,))
+    taken = tmp_path / f"pslv-{os.geteuid()}"
+    taken.mkdir()
+    taken.chmod(0o777)
+    path = path_for("pslv/8000")
+    if path.parent.parent == tmp_path:  # else the user has a runtime folder, which no other can touch
+        assert path.parent != taken
+        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(str(path))
+            assert paths_of("pslv/8000") == [path]
+            assert names() == ["pslv/8000"]
 
 
 def test_a_name_is_taken_once(served: ControlThread) -> None:
@@ -187,10 +219,10 @@ def test_another_user_is_not_answered(served: ControlThread) -> None:
         "import os, socket, sys\n"
         "os.setuid(65534)\n"
         "peer = socket.socket(socket.AF_UNIX)\n"
-        "peer.connect('\\0' + sys.argv[1])\n"
-        'try:\n    peer.sendall(b\'{"do": "attach"}\\n\')\n    print(peer.recv(100))\n'
-        "except OSError:\n    print(b'')\n"
+        "try:\n    peer.connect(sys.argv[1])\n"
+        "except PermissionError:\n    print('refused by the kernel')\n"
     )
-    done = subprocess.run([sys.executable, "-c", script, NAME], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "b''"
+    command = [sys.executable, "-c", script, str(path_for(NAME))]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "refused by the kernel", "it costs the supervisor nothing"
     assert served.asked == []

@@ -1,7 +1,8 @@
 """The client side of a service's control socket: read its database, restart a disabled process.
 
-The service listens at an abstract Unix socket, "pslv/<port of its page>", and answers its own user and root. A request
-is one line of JSON, and so is the answer; the answer to "attach" also passes a read-only descriptor of the database.
+The service "pslv/<port of its page>" listens at a Unix socket in a folder that only its own user and root can enter:
+see ``control_files``. A request is one line of JSON, and so is the answer; the answer to "attach" also passes a
+read-only descriptor of the database.
 """
 
 import contextlib
@@ -14,18 +15,15 @@ from typing import Any
 
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
+from vision_core.net.control_files import names, paths_of
 from vision_core.net.unix_peers import process_and_user
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.store import Store
 
-PREFIX = "pslv/"
-"""Begins the names of services."""
 TIMEOUT_S = 2.0
 """For each step of an exchange."""
 CHUNK = 65536
 MAX_ANSWER = 1 << 20
-LISTENING = "00010000"
-"""Flags of a listening socket in /proc/net/unix."""
 
 
 class Attached:
@@ -74,19 +72,33 @@ def restart(name: str, process: str) -> None:
 def running_services() -> list[str]:
     """Names of all services of this machine that answer this user."""
     found = []
-    for name in _listening():
+    for name in names():
         with contextlib.suppress(ServiceError):
             attach_to(name).close()
             found.append(name)
     return found
 
 
-def _listening() -> list[str]:
-    """Names of listening abstract sockets that may be services."""
-    with open("/proc/net/unix", encoding="utf-8", errors="replace") as sockets:  # noqa: PTH123 (as light as attachment)
-        lines = [line.split(maxsplit=7) for line in sockets]
-    paths = {line[7].strip() for line in lines if len(line) == 8 and line[3] == LISTENING}
-    return sorted(path[1:] for path in paths if path.startswith(f"@{PREFIX}"))
+def _accepting() -> list[str]:
+    """Names of the services that accept a connection."""
+    found = []
+    for name in names():
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer, contextlib.suppress(OSError):
+            peer.setblocking(False)
+            _connect(peer, name)
+            found.append(name)
+    return found
+
+
+def _connect(peer: socket.socket, name: str) -> None:
+    """Raises OSError when no service of this name listens, ValueError for what cannot be a name."""
+    paths = paths_of(name)
+    if not paths:
+        raise FileNotFoundError(errno.ENOENT, "it does not run, or it belongs to another user")
+    for path in paths[:-1]:
+        with contextlib.suppress(OSError):
+            return peer.connect(str(path))
+    return peer.connect(str(paths[-1]))
 
 
 def _ask(name: str, request: dict[str, Any]) -> tuple[dict[str, Any], list[int], int]:
@@ -96,7 +108,7 @@ def _ask(name: str, request: dict[str, Any]) -> tuple[dict[str, Any], list[int],
         text, descriptors, process = _exchange(name, json.dumps(request).encode() + b"\n")
     except (OSError, ValueError) as error:
         found = getattr(error, "strerror", None) or str(error)
-        accepted = ", ".join(_listening()) or "a running service; none runs now: pslv serve"
+        accepted = ", ".join(_accepting()) or "a running service; none runs now: pslv serve"
         raise ServiceError(asked, found=found, accepted=accepted) from None
     try:
         answer = json.loads(text)
@@ -115,7 +127,7 @@ def _exchange(name: str, request: bytes) -> tuple[bytes, list[int], int]:
     """Send a line; returns the line received, the descriptors passed with it, and the process id. Raises OSError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
         peer.settimeout(TIMEOUT_S)
-        peer.connect(f"\0{name}")
+        _connect(peer, name)
         process, user = process_and_user(peer)
         if user not in (os.geteuid(), 0) and os.geteuid() != 0:
             raise PermissionError(errno.EPERM, "it belongs to another user")
