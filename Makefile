@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready-$(notdir $(PYTHON))
 
-.PHONY: run test quick check bench clean
+.PHONY: run test quick check types page bench clean
 
 run: $(READY)            ## start the service on a simulated ceiling camera
 	$(BIN)/pslv serve
@@ -20,7 +20,15 @@ check: $(READY)          ## style, types, import rules, spelling
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+	$(BIN)/python web/build.py check
 	$(BIN)/codespell README.md CHANGELOG.md CONTRIBUTING.md docs vision_core app web config tests bench examples
+
+types: $(READY)          ## the front end's types, from the API
+	$(BIN)/python -m app.commands.openapi > web/openapi.json
+	$(BIN)/python web/build.py types
+
+page: $(READY)           ## build the page, check its types, run its tests
+	$(BIN)/python web/build.py check
 
 bench: $(READY)          ## every published figure, measured
 	$(BIN)/python -m bench

@@ -71,7 +71,7 @@ def _measure(
     arguments = {
         "receiver": (service.udp_port, CLIENTS_PER_TEAM),
         "record_timestamps": (service.control, *FRAME_PATH),
-        "pages": (service.http,),
+        "pages": (service.http, service.token),
     }
     helpers = {name: stack.enter_context(Helper(f"bench.{name}", *given)) for name, given in arguments.items()}
     done = []

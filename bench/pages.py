@@ -1,8 +1,9 @@
 """Helper process: web pages that watch a service over its live connection, all in one process.
 
-    python -m bench.pages HTTP        each line of standard input is the number of open pages from now on
+    python -m bench.pages HTTP TOKEN        each line of standard input is the number of open pages from now on
 
-A page sends "next" whenever the last message of a turn has arrived, as web/live.js does. Ends with standard input.
+Each is a dashboard of the operator: status, field at 30 Hz, one robot's view, picture at 15 Hz. A page sends "next" at
+the end of each update, as web/src/live does. Ends with standard input.
 Prints JSON: {"messages", "bytes", "max_open", "errors": why the service closed pages}.
 """
 
@@ -17,8 +18,9 @@ from websockets.exceptions import ConnectionClosed
 from bench.helpers import READY
 
 NEXT = "next"
-LAST_TOPIC = "state"
-"""Its message is the last one of a turn."""
+TOPICS = "status,world,view/blue/1,picture"
+END = "end"
+"""Topic of the message that ends an update."""
 MAX_MESSAGE = 1 << 24
 """Longest message: a picture [bytes]."""
 
@@ -26,8 +28,9 @@ MAX_MESSAGE = 1 << 24
 class Pages:
     """All open pages, and what they received together."""
 
-    def __init__(self, http: str) -> None:
-        self._address = f"{http.replace('http', 'ws', 1)}/live?topics=picture,timing,state"
+    def __init__(self, http: str, token: str) -> None:
+        self._address = f"{http.replace('http', 'ws', 1)}/live?topics={TOPICS}"
+        self._headers = {"authorization": f"Bearer {token}"}
         self._open: list[asyncio.Task[None]] = []
         self.report: dict[str, Any] = {"messages": 0, "bytes": 0, "max_open": 0, "errors": []}
 
@@ -44,7 +47,7 @@ class Pages:
     async def _watch(self) -> None:
         """One page, until it is cancelled or the service closes it."""
         try:
-            async with connect(self._address, max_size=MAX_MESSAGE) as page:
+            async with connect(self._address, additional_headers=self._headers, max_size=MAX_MESSAGE) as page:
                 await page.send(NEXT)
                 await self._read(page)
         except (ConnectionClosed, OSError) as error:
@@ -54,13 +57,13 @@ class Pages:
         async for message in page:
             self.report["messages"] += 1
             self.report["bytes"] += len(message)
-            if isinstance(message, str) and json.loads(message)["topic"] == LAST_TOPIC:
+            if isinstance(message, str) and json.loads(message)["topic"] == END:
                 await page.send(NEXT)
 
 
-async def run(http: str) -> dict[str, Any]:
+async def run(http: str, token: str) -> dict[str, Any]:
     """Open as many pages as standard input asks for, until it ends. Returns the report."""
-    pages, lines = Pages(http), asyncio.StreamReader()
+    pages, lines = Pages(http, token), asyncio.StreamReader()
     loop = asyncio.get_running_loop()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(lines), sys.stdin)
     print(READY, flush=True)
@@ -71,4 +74,4 @@ async def run(http: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(asyncio.run(run(sys.argv[1]))))
+    print(json.dumps(asyncio.run(run(*sys.argv[1:3]))))

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 os.environ["PSLV_DATA_DIR"] = str(ROOT / ".pslv")  # before anything imports a kernel
 for name in [name for name in os.environ if name.startswith("PSLV_") and name != "PSLV_DATA_DIR"]:
     del os.environ[name]
+os.environ["PSLV_DATABASE"] = tempfile.mkdtemp(prefix="pslv-tests-")  # what is changed on a page is not kept
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -30,6 +32,14 @@ def compiling(request: pytest.FixtureRequest) -> Iterator[None]:
         os.setpriority(os.PRIO_PROCESS, compiler.pid, 19)
         yield
         compiler.kill()
+
+
+@pytest.fixture(scope="session")
+def built_page() -> None:
+    """Builds the page unless it is fresh; skips where its libraries cannot be had."""
+    done = subprocess.run([sys.executable, ROOT / "web" / "build.py"], capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(done.stderr.strip())
 
 
 @pytest.fixture(scope="session")

@@ -74,6 +74,7 @@ def serve(
 
 def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope: str) -> int:
     """Run the service until it is stopped. Returns its exit status."""
+    from app.launch.page import page_being_built
     from app.launch.plan import plan_service, prepare_kernel_folder
     from app.launch.preflight import preflight
     from app.launch.resource_owners import lock_camera
@@ -84,6 +85,7 @@ def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope:
     for line in prepare_kernel_folder():
         print_line(line)
     with contextlib.ExitStack() as held:
+        held.enter_context(page_being_built())
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
         plan, info = plan_service(settings, __version__, layers, document, scope)

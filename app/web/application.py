@@ -23,12 +23,12 @@ from app.web.health.log import watch_health
 from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import Live
+from app.web.live.messages import LiveMessages
 from app.web.middleware.gate import Gate
 from app.web.middleware.head import HeadLikeGet
 from app.web.middleware.security_headers import SecurityHeaders
 from app.web.middleware.under_way import RequestsUnderWay
 from app.web.problems import install_problems
-from app.web.restart import RestartRequests
 from app.web.routes.api import api_routes
 from app.web.routes.clients import client_routes
 from app.web.routes.health import health_routes
@@ -50,8 +50,9 @@ DESCRIPTION = """What every robot on the field would see, from one ceiling camer
 
 Robots use UDP; this API is for people and tools. Everybody may read; changes need the operator.
 
-The page uses the WebSocket `/live`: each message that a client sends, whatever its content, is answered by the newest
-picture (binary) and the newest state (JSON). `/live?topics=timing` selects topics: picture, timing, state."""
+The page uses the WebSocket `/live?topics=status,world`: each message that a client sends is answered by the newest
+messages of these topics, then by `{"topic": "end"}`. Topics: status, world, views, picture, sightings, timing, and
+view/blue/3 for one robot; docs/live.md describes them."""
 
 
 def create_app(store: Store) -> FastAPI:
@@ -63,8 +64,8 @@ def create_app(store: Store) -> FastAPI:
     task = own_line(service.tasks)
     metrics = TaskMetrics(store, task, task.process)
     monitor = HealthMonitor()
-    live = Live(blackboard, monitor, metrics)
-    view3d = View3D(blackboard)
+    live = Live(blackboard, LiveMessages(blackboard, monitor, configuration), configuration, metrics)
+    view3d = View3D(blackboard, configuration)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -105,7 +106,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(health_routes(blackboard, monitor))
     app.include_router(api_routes(blackboard, monitor, configuration))
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
-    app.include_router(settings_routes(configuration, service, RestartRequests(store)))
+    app.include_router(settings_routes(configuration, service))
     app.include_router(team_routes(configuration, people.team_keys))
     app.include_router(match_routes(configuration))
     app.include_router(login_routes(people, configuration))

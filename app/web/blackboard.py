@@ -153,10 +153,13 @@ class Blackboard:
         """Number of the newest image; 0 before the first."""
         return self._frames.sequence
 
-    @property
-    def sequences(self) -> tuple[int, ...]:
-        """Differs from an earlier value when a record of ``read`` was written since."""
-        return (*self._catalog.sequences, *(reader.sequence for reader in self._tasks.values()))
+    def read_one(self, record: Item[T] | CameraRecord[T]) -> Timed[T] | None:
+        """The newest value of one record of the catalog; None before it was first written."""
+        return self._catalog.read_one(record, self.now())
+
+    def sequence_of(self, record: Item[T] | CameraRecord[T]) -> int:
+        """How often a record of the catalog was written."""
+        return self._catalog.sequence_of(record)
 
 
 def _stamp_of(view: SlotView, now: Instant) -> FrameStamp:

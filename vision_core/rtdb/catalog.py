@@ -41,7 +41,11 @@ class CatalogReader:
         values = {name: reader.read(now) for name, reader in self._readers.items()}
         return Snapshot({name: timed for name, timed in values.items() if timed is not None})
 
-    @property
-    def sequences(self) -> tuple[int, ...]:
-        """How often each record was written: changes whenever one is."""
-        return tuple(reader.sequence for reader in self._readers.values())
+    def read_one(self, record: Item[T] | CameraRecord[T], now: Instant) -> Timed[T] | None:
+        """The value of one record, with its age at an instant; None before it was first written."""
+        timed: Timed[T] | None = self._readers[record.name].read(now)
+        return timed
+
+    def sequence_of(self, record: Item[T] | CameraRecord[T]) -> int:
+        """How often a record was written."""
+        return self._readers[record.name].sequence

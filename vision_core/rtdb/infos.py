@@ -255,16 +255,6 @@ class LiveSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class RestartResult:
-    """What became of the newest request to start the service's processes again with the settings read anew."""
-
-    requests: int
-    """How many requests there were."""
-    refused: str
-    """Why the settings cannot work; empty when the service goes on with them."""
-
-
-@dataclass(frozen=True, slots=True)
 class SelfTest:
     """How well this machine keeps time: wake-ups of one process on a grid of 5 ms, for two seconds."""
 

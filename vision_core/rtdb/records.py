@@ -22,8 +22,6 @@
 | lags | serve | histograms of the lags of server, network and clients |
 | selftest | supervisor | how well this machine keeps time |
 | live_settings | web | the settings that hold from the next frame on |
-| restart_request | web | nothing: each writing asks for a restart of the service's processes |
-| restart_result | supervisor | what became of such requests |
 | task/<task> | each task | its times, policy and metrics |
 | timing/<task> | each task | its histograms |
 | heartbeat/<process> | each process | nothing: its age shows that the process is alive |
@@ -38,7 +36,6 @@ from vision_core.rtdb.infos import (
     FrameRequest,
     LiveSettings,
     Processes,
-    RestartResult,
     SelfTest,
     ServiceInfo,
     Serving,
@@ -67,10 +64,6 @@ SERVING = packed("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
 LAG_HISTOGRAMS = RecordSpec("lags", size_of(LAGS), 2.0)
 LIVE_SETTINGS = packed("live_settings", LiveSettings, 65536, 0.0)
-RESTART_REQUEST = RecordSpec("restart_request", 8, 0.0)
-RESTART_RESULT = Item(
-    RecordSpec("restart_result", 4096, 0.0), msgspec.json.Encoder(), msgspec.json.Decoder(RestartResult)
-)
 SELF_TEST = packed("selftest", SelfTest, 2048, 0.0)
 
 
@@ -100,7 +93,6 @@ CATALOG: tuple[AnyRecord, ...] = (
     VIEWS,
     SERVING,
     LIVE_SETTINGS,
-    RESTART_RESULT,
 )
 """Everything that a person may want to look at: ``vision_core.rtdb.catalog`` reads all of it at one instant. A record
 that is added here can be shown on the page."""

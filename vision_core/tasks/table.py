@@ -25,7 +25,7 @@ from vision_core.rtdb.task import DRIVER, NONE, PERIOD, Task
 from vision_core.scheduling.checks import TableProblem, problems
 from vision_core.settings.schema import Settings, TaskSettings
 
-GIVEN = ("service", "processes", "selftest", "restart_result")
+GIVEN = ("service", "processes", "selftest")
 """Records that the supervisor or a process that runs once writes: no task writes them."""
 COMPILER = "compile"
 """Process that compiles the kernels once, before the tasks start."""
@@ -87,12 +87,12 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
     watched = [record for task in watchers for record in task.writes]
     shown = [frames, source, sightings, obstacles, *watched, diagnosis]
-    shown += ["processes", "selftest", "restart_result", "world", "views", "serving", "lags"]
+    shown += ["processes", "selftest", "world", "views", "serving", "lags"]
     yield line(
         "web",
         NONE,
         shown,
-        ["live_settings", "restart_request"],
+        ["live_settings"],
         sockets=("http",),
         needs_kernels=False,
         purpose="shows this page",
@@ -187,7 +187,6 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
         *(kind(camera.name).spec for kind in records.HANDSHAKE),
         records.SESSIONS,
         records.LAG_HISTOGRAMS,
-        records.RESTART_REQUEST,
         records.frames(camera.name, *camera.size_px),
         *(records.task(task.name).spec for task in tasks),
         *(records.timing(task.name) for task in tasks),

@@ -1,1 +1,4 @@
-"""The page's WebSocket: ``connection`` serves open pages, ``messages`` makes what they are sent."""
+"""The page's WebSocket: ``connection`` serves open pages, ``messages`` makes what they are sent, ``topics`` fills it.
+
+``delay`` holds back what viewers see of a match. docs/live.md describes every topic.
+"""

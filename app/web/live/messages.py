@@ -1,173 +1,147 @@
-"""The messages for open pages: one per topic, made when the topic has news and a page has subscribed to it.
-
-Picture: binary, little-endian: u32 number of the frame, f64 instant of its grab [s since the start of the service],
-then a JPEG. State and timing: JSON with a key ``topic``, see ``State`` and ``Times``.
-"""
+"""Makes the messages for open pages: each once for all pages, while a page has subscribed to its topic, at its rate."""
 
 import asyncio
-import struct
-import time
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable
 
-import msgspec
-
-from app.web.blackboard import Blackboard, Picture
+from app.web.blackboard import Blackboard
+from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
-from app.web.reports.field import Outlines, Points
-from app.web.reports.status import status_from
-from app.web.reports.tasks import tasks_from
-from app.web.reports.timing import timing_from
+from app.web.live import topics
+from app.web.live.delay import History, Message, is_delayed
+from app.web.reports.field import Outlines
 from vision_core.clock import Instant, seconds_between
-from vision_core.native.opencv import encode_jpeg, shrink
+from vision_core.protocol.edge_codes import edge_codes
 from vision_core.rtdb import records
-from vision_core.rtdb.items import Timed
-from vision_core.types.objects import Obstacles, Sightings
-from vision_core.types.tracks import World
-from vision_core.types.views import Views
+from vision_core.types.objects import Team
 
-PICTURE, TIMING, STATE = "picture", "timing", "state"
-TOPICS = (PICTURE, TIMING, STATE)
-"""In the order in which they are sent."""
+EVERY_S = {"status": 0.25, "world": 0.0, "views": 0.0, "picture": 1.0 / 15.0, "sightings": 1.0 / 15.0, "timing": 0.5}
+"""Shortest time between two messages of a topic [s]; 0: with every frame."""
+TOPICS = tuple(EVERY_S)
+VIEW_PREFIX = "view/"
 MAX_SILENCE_S = 0.25
-"""A state is made at least this often, even when no record was written: ages and readiness change by themselves."""
-TIMING_EVERY_S = 0.5
-MAX_WIDTH_PX = 960
-JPEG_QUALITY = 75
-PICTURE_HEADER = struct.Struct("<Id")
+"""A message of what comes with frames is made at least this often, so that its age is known."""
+SLACK_S = 0.004
+"""A message may be made this much before it is due: the loop's grid is as coarse as the frames."""
 
 
-@dataclass(frozen=True, slots=True)
-class State:
-    """What the page shows beside the picture. Bytes are encoded as base64."""
-
-    topic: str
-    now_s: float
-    """Time since the start of the service [s]."""
-    pages: int
-    status: dict[str, object]
-    """The same as /api/v1/status."""
-    sightings: Timed[Sightings] | None
-    outlines_px: list[Points]
-    """Outlines in the picture, in the order of the sightings' robots; the first point is in the heading's direction."""
-    obstacles: Timed[Obstacles] | None
-    """As seen in one picture; they are searched less often than robots."""
-    obstacle_outlines_px: list[Points]
-    """Outlines in the picture, in the order of ``obstacles``."""
-    world: Timed[World] | None
-    views: Timed[Views] | None
+def is_topic(topic: str, numbers: int) -> bool:
+    """Is there such a topic? numbers: robots of a team."""
+    return topic in EVERY_S or robot_of(topic, numbers) is not None
 
 
-@dataclass(frozen=True, slots=True)
-class Times:
-    """How the tasks run."""
-
-    topic: str
-    now_s: float
-    """Time since the start of the service [s]."""
-    tasks: list[dict[str, object]]
-    """The same as /api/v1/tasks."""
-    timing: dict[str, object]
-    """The same as /api/v1/timing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Message:
-    """The newest message of a topic."""
-
-    number: int
-    """Differs between any two messages of the topic."""
-    content: bytes | str
+def robot_of(topic: str, numbers: int) -> tuple[Team, int] | None:
+    """The robot of a topic "view/blue/3"; None for another topic."""
+    if not topic.startswith(VIEW_PREFIX):
+        return None
+    color, _, number = topic.removeprefix(VIEW_PREFIX).partition("/")
+    if color not in tuple(Team) or not number.isdecimal() or not 1 <= int(number[:3]) <= numbers:
+        return None
+    return Team(color), int(number)
 
 
 class LiveMessages:
-    """Makes and keeps the newest message of each topic."""
+    """Makes and keeps the messages of each topic."""
 
-    def __init__(self, blackboard: Blackboard, monitor: HealthMonitor) -> None:
+    def __init__(self, blackboard: Blackboard, monitor: HealthMonitor, configuration: Configuration) -> None:
         self._blackboard = blackboard
         self._monitor = monitor
+        self._configuration = configuration
         self._outlines = Outlines(blackboard.service.settings)
-        self._sequences: tuple[int, ...] = ()
-        self._made_s: dict[str, float] = {}
+        self._codes = edge_codes(blackboard.service.settings.protocol.letters)
+        self._sources: dict[str, int] = {}
+        """Number of the record that the newest message of a topic was made of."""
         self._made = 0
-        self.newest: dict[str, Message] = {}
-        """By topic."""
+        self._histories: dict[str, History] = {}
 
-    def forget(self, topics: Collection[str]) -> None:
+    @property
+    def delay_s(self) -> float:
+        """How late viewers see where things are [s]; 0 while no match is played."""
+        match = self._configuration.settings.match
+        return match.viewer_delay_s if match.mode == "match" else 0.0
+
+    def of(self, topic: str, *, delayed: bool) -> Message | None:
+        """The newest message of a topic that somebody may have; delayed: he is a viewer."""
+        history = self._histories.get(topic)
+        if history is None:
+            return None
+        delay_s = self.delay_s if delayed and is_delayed(topic) else 0.0
+        return history.before(self._blackboard.now(), delay_s) if delay_s else history.newest()
+
+    def forget(self, subscribed: Collection[str]) -> None:
         """Drop the messages of topics without a subscriber: they would be old for the next one."""
-        for topic in topics:
-            self.newest.pop(topic, None)
+        for topic in self._histories.keys() - set(subscribed):
+            del self._histories[topic]
 
-    async def make(self, topics: Collection[str], pages: int) -> bool:
+    async def make(self, subscribed: Iterable[str], pages: int) -> bool:
         """Make the messages of the topics that have news; False when none has. pages: number of open pages."""
-        fresh = PICTURE in topics and await self._make_picture()
-        if STATE in topics and (fresh or self._has_changed() or self._is_due(STATE, MAX_SILENCE_S)):
-            self._sequences = self._blackboard.sequences
-            self._publish(STATE, self._encoded_state(pages))
-            fresh = True
-        if TIMING in topics and self._is_due(TIMING, TIMING_EVERY_S):
-            self._publish(TIMING, self._encoded_times())
-            fresh = True
+        now = self._blackboard.now()
+        due = [topic for topic in subscribed if self._is_due(topic, now)]
+        fresh = False
+        for topic in due:
+            content = await self._made_of(topic, pages)
+            if content is not None:
+                self._publish(topic, content)
+                fresh = True
         return fresh
 
-    def _has_changed(self) -> bool:
-        return self._blackboard.sequences != self._sequences
+    def _is_due(self, topic: str, now: Instant) -> bool:
+        history = self._histories.get(topic)
+        if history is None:
+            return True
+        age_s = seconds_between(history.newest().made, now)
+        if topic in ("status", "timing"):
+            return age_s >= EVERY_S[topic] - SLACK_S
+        is_new = self._source(topic) != self._sources.get(topic)
+        return (is_new and age_s >= EVERY_S.get(topic, 0.0) - SLACK_S) or (
+            age_s >= MAX_SILENCE_S and topic != "picture"
+        )
 
-    def _is_due(self, topic: str, every_s: float) -> bool:
-        return topic not in self.newest or time.monotonic() - self._made_s[topic] >= every_s
+    def _source(self, topic: str) -> int:
+        """Number of the record that a topic is made of."""
+        if topic == "picture":
+            return self._blackboard.picture_number
+        if topic == "sightings":
+            return self._blackboard.sequence_of(records.sightings)
+        if topic == "world":
+            return self._blackboard.sequence_of(records.WORLD)
+        return self._blackboard.sequence_of(records.VIEWS)
 
-    def _publish(self, topic: str, content: str) -> None:
-        self._made += 1
-        self._made_s[topic] = time.monotonic()
-        self.newest[topic] = Message(self._made, content)
+    async def _made_of(self, topic: str, pages: int) -> bytes | str | None:
+        if topic not in ("status", "timing"):
+            self._sources[topic] = self._source(topic)
+        make: dict[str, Callable[[], bytes | str | None]] = {
+            "picture": self._picture,
+            "timing": self._timing,
+            "status": lambda: self._status(pages),
+        }
+        if topic in make:
+            return await asyncio.to_thread(make[topic])
+        return self._small(topic)
 
-    async def _make_picture(self) -> bool:
-        """Encode the newest image in a thread, if it differs from the last one."""
-        before, number = self.newest.get(PICTURE), self._blackboard.picture_number
-        if not number or (before is not None and before.number == number):
-            return False
-        message = await asyncio.to_thread(self._encoded_picture)
-        if message is None:
-            return False
-        self.newest[PICTURE] = message
-        return True
+    def _small(self, topic: str) -> bytes | str:
+        """Messages that take less than a millisecond."""
+        boot, now = self._blackboard.service.boot, self._blackboard.now()
+        if topic == "world":
+            return topics.world_message(boot, now, self._blackboard.read_one(records.WORLD))
+        if topic == "sightings":
+            return topics.sightings_message(self._blackboard.read(), self._outlines)
+        views = self._blackboard.read_one(records.VIEWS)
+        robot = robot_of(topic, self._configuration.settings.match.numbers)
+        if robot is None:
+            return topics.views_message(boot, views)
+        return topics.robot_view_message(topic, boot, now, views, robot, self._codes)
 
-    def _encoded_picture(self) -> Message | None:
+    def _picture(self) -> bytes | None:
         picture = self._blackboard.picture()
-        if picture is None:
-            return None
-        return Message(picture.number, picture_message(picture, self._blackboard.service.boot))
+        return None if picture is None else topics.picture_message(picture, self._blackboard.service.boot)
 
-    def _encoded_state(self, pages: int) -> str:
-        snapshot = self._blackboard.read()
-        sightings, obstacles = snapshot.of(records.sightings), snapshot.of(records.obstacles)
-        state = State(
-            topic=STATE,
-            now_s=seconds_between(snapshot.service.boot, snapshot.now),
-            pages=pages,
-            status=status_from(snapshot, self._monitor.judge(snapshot)).model_dump(),
-            sightings=sightings,
-            outlines_px=self._outlines.of_robots(sightings.value.robots) if sightings else [],
-            obstacles=obstacles,
-            obstacle_outlines_px=self._outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
-            world=snapshot.of(records.WORLD),
-            views=snapshot.of(records.VIEWS),
-        )
-        return msgspec.json.encode(state).decode()
+    def _timing(self) -> str:
+        return topics.timing_message(self._blackboard.read(), self._blackboard.timings())
 
-    def _encoded_times(self) -> str:
-        snapshot = self._blackboard.read()
-        timing = timing_from(self._blackboard.timings(), snapshot.camera.shutter_delay_ms)
-        times = Times(
-            topic=TIMING,
-            now_s=seconds_between(snapshot.service.boot, snapshot.now),
-            tasks=[task.model_dump() for task in tasks_from(snapshot)],
-            timing=timing.model_dump(),
-        )
-        return msgspec.json.encode(times).decode()
+    def _status(self, pages: int) -> str:
+        return topics.status_message(self._blackboard.read(), self._monitor, self._configuration, pages)
 
-
-def picture_message(picture: Picture, boot: Instant) -> bytes:
-    """The binary message of a picture, reduced to the size of a page."""
-    header = PICTURE_HEADER.pack(picture.number & 0xFFFFFFFF, seconds_between(boot, picture.grabbed))
-    return header + encode_jpeg(shrink(picture.pixels, MAX_WIDTH_PX), JPEG_QUALITY)
+    def _publish(self, topic: str, content: bytes | str) -> None:
+        self._made += 1
+        message = Message(self._made, self._blackboard.now(), content)
+        self._histories.setdefault(topic, History()).add(message, self.delay_s if is_delayed(topic) else 0.0)

@@ -1,4 +1,4 @@
-"""``/api/v1/settings``: every setting, changes with history, undo and redo, export and import; restart."""
+"""``/api/v1/settings``: every setting, changes with history, undo and redo, export and import."""
 
 from typing import Any, Literal
 
@@ -13,7 +13,6 @@ from app.web.configuration.keys import setting
 from app.web.problems import REFUSED
 from app.web.reports.base import Report
 from app.web.reports.changes import ChangeReport, change_from, not_made
-from app.web.restart import RestartRequests
 from vision_core.rtdb.infos import ServiceInfo
 
 HISTORY = 200
@@ -53,7 +52,7 @@ class Seen(Report):
     revision: int
 
 
-def settings_routes(configuration: Configuration, service: ServiceInfo, restarts: RestartRequests) -> APIRouter:
+def settings_routes(configuration: Configuration, service: ServiceInfo) -> APIRouter:
     """Reading and changing settings."""
     router = APIRouter(prefix="/api/v1", tags=["settings"])
     document = configuration.document
@@ -111,11 +110,5 @@ def settings_routes(configuration: Configuration, service: ServiceInfo, restarts
             return not_made(configuration.revision, "import", configuration.preview(values, "import"))
         made = configuration.change(values, who=identity_of(request).name, what="import")
         return change_from(made) if made else not_made(configuration.revision, "import")
-
-    @router.post("/restart", responses=REFUSED, status_code=202)
-    def restart_service() -> None:
-        """Starts every process of the service anew, with all settings as they are now. Robots are not served for a few
-        seconds; their sessions stay."""
-        restarts.ask()
 
     return router

@@ -5,6 +5,7 @@ viser is imported, and its server started, when the first viewer comes. Nothing 
 
 import asyncio
 import contextlib
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -15,6 +16,7 @@ from websockets.typing import Subprotocol
 from app.web.auth.identity import Role, identity_of
 from app.web.blackboard import Blackboard
 from app.web.closing import close
+from app.web.configuration.configuration import Configuration
 from vision_core.rtdb import records
 
 if TYPE_CHECKING:
@@ -29,6 +31,8 @@ MAX_MESSAGES_PER_S = 200.0
 SHARE = b"ShareUrl"
 """Part of the messages by which viser would open a tunnel through a server in the internet; they are dropped."""
 NORMAL, TRY_LATER, POLICY_VIOLATION = 1000, 1013, 1008
+CHECK_S = 1.0
+"""A viewer is disconnected this soon after a match has begun."""
 FOR_OPERATORS = 2
 """More viewers, who are operators."""
 
@@ -36,7 +40,8 @@ FOR_OPERATORS = 2
 class View3D:
     """The 3D view of one service."""
 
-    def __init__(self, blackboard: Blackboard) -> None:
+    def __init__(self, blackboard: Blackboard, configuration: Configuration) -> None:
+        self._configuration = configuration
         self._blackboard = blackboard
         self._viewers = 0
         self._watched = asyncio.Event()
@@ -62,6 +67,10 @@ class View3D:
 
     async def relay(self, page: WebSocket) -> None:
         """Connect a browser with viser until one of them ends the connection."""
+        if not self._may_look(page):
+            await page.accept()
+            await close(page, POLICY_VIOLATION, "while a match is played, the 3D view is for the operator only")
+            return
         is_operator = identity_of(page).role is Role.OPERATOR
         if self._viewers >= MAX_VIEWERS + (FOR_OPERATORS if is_operator else 0):
             await page.accept()
@@ -75,11 +84,15 @@ class View3D:
                 await page.accept()
                 await close(page, POLICY_VIOLATION, f"accepted: the page of this service, with {server.protocol}")
                 return
-            await _relay(page, server)
+            await _relay(page, server, lambda: self._may_look(page))
         finally:
             self._viewers -= 1
             if not self._viewers:
                 self._watched.clear()
+
+    def _may_look(self, page: WebSocket) -> bool:
+        """The scene is not delayed, so in a match it is the operator's."""
+        return self._configuration.settings.match.mode != "match" or identity_of(page).role is Role.OPERATOR
 
     async def _started(self) -> "GuardedServer":
         """viser's server; started when it is needed first."""
@@ -103,12 +116,12 @@ class View3D:
         snapshot = self._blackboard.read()
         world, views = snapshot.recent(records.WORLD), snapshot.recent(records.VIEWS)
         self._scene.show(
-            world.value if world else None, views.value if views else None, snapshot.service.settings.match
+            world.value if world else None, views.value if views else None, self._configuration.settings.match
         )
 
 
-async def _relay(page: WebSocket, server: "GuardedServer") -> None:
-    """Pass messages between a browser and viser until one of them ends the connection."""
+async def _relay(page: WebSocket, server: "GuardedServer", may_look: Callable[[], bool]) -> None:
+    """Pass messages between a browser and viser until one of them ends the connection, or he may look no more."""
     from app.web.view3d.server import SECRET_HEADER
 
     async with connect(
@@ -121,7 +134,10 @@ async def _relay(page: WebSocket, server: "GuardedServer") -> None:
     ) as inner:
         await page.accept(subprotocol=server.protocol)
         ways = [asyncio.create_task(_to_viser(page, inner)), asyncio.create_task(_to_browser(inner, page))]
-        done, open_ways = await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+        done: set[asyncio.Task[None]] = set()
+        open_ways = set(ways)
+        while not done and may_look():
+            done, open_ways = await asyncio.wait(ways, timeout=CHECK_S, return_when=asyncio.FIRST_COMPLETED)
         for way in open_ways:
             way.cancel()
         await asyncio.gather(*open_ways, return_exceptions=True)

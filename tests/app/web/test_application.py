@@ -1,17 +1,23 @@
 """The HTTP side, over a real socket."""
 
+import gzip
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import httpx
 import numpy as np
 import pytest
 
+from app.commands.openapi import document
 from app.web.blackboard import Blackboard
 from app.web.health.monitor import HealthMonitor, HealthState
 from app.web.problems import MEDIA_TYPE
 from app.web.reports.status import Status, status_from
+from app.web.routes.pages import web_folder
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
 from tests.app.fake_tasks import Condition
+from tests.conftest import ROOT
 from vision_core.clock import after
 from vision_core.rtdb import records
 from vision_core.types.objects import Diagnosis
@@ -189,8 +195,11 @@ def test_unknown_paths_are_problems(http: httpx.Client, service: FakeService) ->
     assert http.post("/api/v1/status", headers=service.operator).json()["title"] == "Method Not Allowed"
 
 
+@pytest.mark.usefixtures("built_page")
 def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
-    for path in ("/", "/docs", "/web/style.css", "/web/app.js", "/web/docs.js", "/web/favicon.svg"):
+    styles = [f"/web/assets/{path.name}" for path in (web_folder() / "assets").glob("*.css")]
+    assert styles
+    for path in ("/", "/teams", "/robot/blue/3", "/docs", "/web/docs.js", "/web/favicon.svg", *styles):
         response = http.get(path)
         assert response.status_code == 200, path
         assert "default-src 'self'" in response.headers["content-security-policy"]
@@ -198,6 +207,35 @@ def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
         assert "//cdn" not in outside
         assert "http://" not in outside
         assert "https://" not in outside
+
+
+@pytest.mark.usefixtures("built_page")
+def test_the_first_page_is_small() -> None:
+    index = (web_folder() / "index.html").read_text()
+    files = re.findall(r"/web/(assets/[^\"]+)", index)
+    packed = sum(len(gzip.compress((web_folder() / name).read_bytes())) for name in files)
+    assert 50_000 < packed < 500_000
+
+
+def test_while_the_page_is_missing_a_short_one_says_why(
+    http: httpx.Client, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("app.web.routes.pages.web_folder", lambda: tmp_path / "dist")
+    (tmp_path / "dist.state").write_text("getting its libraries from the <npm> registry")
+    answer = http.get("/teams")
+    assert answer.status_code == 503
+    assert "getting its libraries from the &lt;npm&gt; registry" in answer.text
+    assert http.get("/api/v1/status").status_code == 200
+
+
+def test_the_types_of_the_front_end_are_those_of_the_api() -> None:
+    """``make types`` makes them anew."""
+    types = (ROOT / "web" / "src" / "api" / "schema.d.ts").read_text()
+    schemas = document()["components"]["schemas"]
+    for name, schema in schemas.items():
+        assert f"        {name}: " in types or f"        {name}:" in types, name
+        for field in schema.get("properties", {}):
+            assert f"            {field}: " in types or f"            {field}?: " in types, (name, field)
 
 
 def test_every_operation_and_field_is_described(http: httpx.Client) -> None:

@@ -93,7 +93,7 @@ def test_between_requests_a_connection_may_rest(address: str, monkeypatch: pytes
         for _ in range(2):
             assert http_client.get("/healthz").status_code == 200
             time.sleep(0.5)
-    with connect(f"ws://{address}/live?topics=state", proxy=None) as page:
+    with connect(f"ws://{address}/live?topics=status", proxy=None) as page:
         time.sleep(0.5)
         page.send("next")
         assert page.recv(timeout=10)
@@ -171,7 +171,7 @@ def test_strangers_do_not_take_the_operators_page(
     address: str, service: FakeService, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(live, "MAX_PAGES", 2)
-    url = f"ws://{address}/live?topics=state"
+    url = f"ws://{address}/live?topics=status"
     with connect(url, proxy=None) as one, connect(url, proxy=None) as two:
         for page in (one, two):
             page.send("next")
@@ -185,7 +185,7 @@ def test_strangers_do_not_take_the_operators_page(
 
 def test_one_address_does_not_take_every_page(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live, "PER_ADDRESS", 1)
-    url = f"ws://{address}/live?topics=state"
+    url = f"ws://{address}/live?topics=status"
     with connect(url, proxy=None) as one:
         one.send("next")
         one.recv(timeout=10)

@@ -1,20 +1,26 @@
-"""The live connection: one turn under way at most, always the newest."""
+"""The live connection: one update under way at most, always the newest, and to everybody what is his."""
 
 import base64
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
+import httpx
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
+from app.web.auth.people import People
 from app.web.live import connection as live
-from app.web.live import messages as turns
+from app.web.live.topics import HEADER, PICTURE_KIND, VIEW_HEADER, VIEWS_KIND
 from tests.app.fake_service import FakeService, PageServer, wait_for
+from vision_core.protocol.codec import decode_message
+from vision_core.protocol.messages import See
 from vision_core.rtdb import records
+
+TEAM = {"name": "Köln", "short_name": "CGN", "robots": [1, 2, 3, 4, 5]}
 
 
 @pytest.fixture(scope="module")
@@ -35,162 +41,201 @@ def server(service: FakeService) -> Iterator[PageServer]:
     server.stop()
 
 
-def page(server: PageServer, origin: str | None = None, query: str = "") -> Connection:
-    headers = {} if origin is None else {"Origin": origin}
-    return connect(f"ws://{server.address}/live{query}", additional_headers=headers, proxy=None)
+def page(server: PageServer, topics: str = "status", headers: Mapping[str, str] | None = None) -> Connection:
+    return connect(
+        f"ws://{server.address}/live?topics={topics}", additional_headers=headers or {}, proxy=None, max_size=None
+    )
 
 
-def turn(connection: Connection) -> tuple[bytes | None, dict[str, Any]]:
-    """Ask for a turn: the picture message if there is one, and the state."""
+def update(connection: Connection) -> dict[str, Any]:
+    """Ask for an update: its messages by topic, binary ones by their kind."""
     connection.send("next")
-    picture = None
-    while isinstance(message := connection.recv(timeout=10), bytes):
-        picture = message
-    return picture, json.loads(message)
+    found: dict[str, Any] = {}
+    while True:
+        message = connection.recv(timeout=10)
+        if isinstance(message, bytes):
+            found[{PICTURE_KIND: "picture", VIEWS_KIND: "views"}[message[0]]] = message
+            continue
+        decoded = json.loads(message)
+        if decoded["topic"] == "end":
+            return found
+        found[decoded["topic"]] = decoded
 
 
-def test_a_turn_is_a_picture_and_a_state(server: PageServer, service: FakeService) -> None:
+def refused(connection: Connection) -> str:
+    """The reason for which a connection is closed."""
+    try:
+        while True:
+            connection.send("next")
+            connection.recv(timeout=10)
+    except ConnectionClosed as closed:
+        return closed.rcvd.reason if closed.rcvd else "without a reason"
+
+
+def test_the_status_has_match_and_revision(server: PageServer) -> None:
     with page(server) as connection:
-        picture, state = turn(connection)
-        wait_for(lambda: turn(connection)[1]["status"]["ready"])
-    assert picture is not None
-    number, grabbed_s = turns.PICTURE_HEADER.unpack_from(picture)
-    assert number > 0
-    assert 0.0 < grabbed_s <= state["now_s"]
-    assert picture[turns.PICTURE_HEADER.size :].startswith(b"\xff\xd8")
-    assert state["pages"] == 1
-    assert len(state["outlines_px"]) == len(state["sightings"]["value"]["robots"]) == 10
-    assert len(state["obstacle_outlines_px"]) == len(state["obstacles"]["value"]["obstacles"]) == 2
-    assert [thing["radius_m"] for thing in state["world"]["value"]["obstacles"]] == [0.11, 0.06]
-    views = state["views"]["value"]["views"]
-    assert len(views) == 10
-    assert len(base64.b64decode(views[0]["px"])) == len(base64.b64decode(views[0]["kinds"])) == 360
+        status = update(connection)["status"]
+    assert status["match"]["blue_defends"] == "left"
+    assert status["revision"] == status["match"]["revision"]
+    assert status["pages"] == 1
+    assert status["status"]["version"]
+
+
+def test_the_world_has_robots_ball_and_obstacles(server: PageServer) -> None:
+    with page(server, "world") as connection:
+        wait_for(lambda: len(update(connection)["world"]["robots"]) == 10)
+        world = update(connection)["world"]
+    assert 0.0 < world["grabbed_s"] <= world["now_s"]
+    assert world["valid"]
+    assert {robot["team"] for robot in world["robots"]} == {"blue", "yellow"}
+    assert [obstacle["radius_m"] for obstacle in world["obstacles"]] == [0.11, 0.06]
+    assert len(json.dumps(world)) < 5000
+
+
+def test_pictures_and_views_are_binary(server: PageServer) -> None:
+    with page(server, "picture,views") as connection:
+        found: dict[str, bytes] = {}
+        while not found.keys() >= {"picture", "views"}:
+            found |= update(connection)
+    kind, number, grabbed_s = HEADER.unpack_from(found["picture"])
+    assert (kind, number > 0, grabbed_s > 0.0) == (PICTURE_KIND, True, True)
+    assert found["picture"][HEADER.size :].startswith(b"\xff\xd8")
+    _, count, _ = HEADER.unpack_from(found["views"])
+    assert count == 10
+    assert len(found["views"]) == HEADER.size + count * (VIEW_HEADER.size + 720) < 7500
+
+
+def test_one_robots_view_comes_with_its_message(server: PageServer) -> None:
+    with page(server, "view/blue/3") as connection:
+        wait_for(lambda: update(connection)["view/blue/3"]["valid"])
+        view = update(connection)["view/blue/3"]
+    assert len(base64.b64decode(view["px"])) == len(base64.b64decode(view["kinds"])) == 360
+    see = decode_message(view["message"].encode())
+    assert isinstance(see, See)
+    assert abs(see.time_s - view["grabbed_s"]) < 0.0011
+    assert len(see.edges) == 3 * 360
+
+
+def test_the_same_is_not_sent_twice(server: PageServer) -> None:
+    with page(server, "world,timing") as connection:
+        grabbed = [update(connection)["world"]["grabbed_s"] for _ in range(5)]
+        timings = sum("timing" in update(connection) for _ in range(10))
+    assert all(before < after for before, after in pairwise(grabbed))
+    assert timings <= 3
 
 
 def test_nothing_comes_unasked_and_then_the_newest(server: PageServer, service: FakeService) -> None:
-    with page(server) as connection:
-        first, _ = turn(connection)
-        assert first is not None
-        shown = turns.PICTURE_HEADER.unpack_from(first)[0]
-        wait_for(lambda: service.store.reader("frames/main").sequence > shown + 10)
+    with page(server, "world") as connection:
+        first = update(connection)["world"]["grabbed_s"]
+        before = service.store.reader("world").sequence
+        wait_for(lambda: service.store.reader("world").sequence > before + 10)
         with pytest.raises(TimeoutError):
             connection.recv(timeout=0.05)
-        later, _ = turn(connection)
-    assert later is not None
-    assert turns.PICTURE_HEADER.unpack_from(later)[0] > shown + 5
+        assert update(connection)["world"]["grabbed_s"] > first + 0.2
 
 
-@pytest.mark.slow
-def test_turns_stop_when_nobody_watches(server: PageServer, service: FakeService) -> None:
-    info = records.task("web").reader(service.store)
+def test_other_topics_are_taken_without_a_new_connection(server: PageServer) -> None:
+    with page(server, "status") as connection:
+        assert update(connection).keys() == {"status"}
+        connection.send(json.dumps({"topics": ["world"]}))
+        assert update(connection).keys() == {"world"}
+        connection.send(json.dumps({"topics": ["weather"]}))
+        assert "found: weather; accepted: status,world" in refused(connection)
+
+
+@pytest.mark.parametrize("topics", ["weather", "view/red/1", "view/blue/0", "view/blue/6", "view/blue/x", "a" * 5000])
+def test_topics_that_do_not_exist_are_refused_in_words(server: PageServer, topics: str) -> None:
+    with page(server, topics) as connection:
+        assert "accepted: status,world" in refused(connection)
+
+
+def test_whatever_is_sent_the_service_goes_on(server: PageServer) -> None:
+    with page(server, "status") as connection:
+        for text in ("", "{", '{"topics": 1}', '{"topics": {"a": 1}}', "[]", "{" * 900):
+            connection.send(text)
+            connection.recv(timeout=10)
+        connection.send(b"\xff\xfe")
+        connection.recv(timeout=10)
     with page(server) as connection:
-        for _ in range(3):
-            turn(connection)
-        wait_for(lambda: info.value(service.clock.now()).response_max_ms > 0.0)
-        assert info.value(service.clock.now()).note == "1 page open"
-    wait_for(lambda: info.value(service.clock.now()).note == "0 pages open")
-    sequence = info.sequence
-    wait_for(lambda: info.sequence >= sequence + 2)
-    assert info.value(service.clock.now()).response_max_ms == 0.0
+        assert update(connection)
 
 
 def test_a_page_that_does_not_ask_is_dropped(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live, "PATIENCE_S", 0.1)
-    with page(server) as connection:
-        with pytest.raises(ConnectionClosed) as closed:
-            connection.recv(timeout=10)
-        assert closed.value.rcvd is not None
-        assert closed.value.rcvd.code == live.POLICY_VIOLATION
-
-
-def test_one_page_too_many_is_refused_with_a_reason(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "MAX_PAGES", 1)
-    with page(server) as first:
-        turn(first)
-        with page(server) as second, pytest.raises(ConnectionClosed) as closed:
-            second.recv(timeout=10)
-        turn(first)
+    with page(server) as connection, pytest.raises(ConnectionClosed) as closed:
+        connection.recv(timeout=10)
     assert closed.value.rcvd is not None
-    assert closed.value.rcvd.code == live.TRY_LATER
-    assert "1 pages are open" in closed.value.rcvd.reason
+    assert closed.value.rcvd.code == live.POLICY_VIOLATION
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
-def test_foreign_pages_are_refused(server: PageServer, origin: str) -> None:
-    with pytest.raises(InvalidStatus) as refused:
-        page(server, origin)
-    assert refused.value.response.status_code == 403
+def test_many_pages_of_one_computer_leave_room_for_the_operator(
+    server: PageServer, service: FakeService, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "PER_ADDRESS", 2)
+    with page(server) as first, page(server) as second:
+        update(first)
+        update(second)
+        with page(server) as third:
+            assert "2 pages of your address are open already" in refused(third)
+        monkeypatch.setattr(live, "MAX_PAGES", 2)
+        with page(server, headers=service.operator) as operator:
+            assert update(operator)
 
 
-def test_our_own_page_is_let_in(server: PageServer) -> None:
-    with page(server, f"http://{server.address}") as connection:
-        turn(connection)
+def test_messages_are_made_while_somebody_looks(server: PageServer, service: FakeService) -> None:
+    info = records.task("web").reader(service.store)
+    with page(server, "world") as connection:
+        for _ in range(20):
+            update(connection)
+        wait_for(lambda: update(connection) and info.value(service.clock.now()).note == "1 page open")
+    wait_for(lambda: info.value(service.clock.now()).note == "0 pages open")
+    runs = info.value(service.clock.now()).runs
+    sequence = info.sequence
+    wait_for(lambda: info.sequence >= sequence + 2)
+    assert info.value(service.clock.now()).runs <= runs + 1
 
 
 def test_a_server_that_stops_closes_its_pages(service: FakeService) -> None:
     server = PageServer(service)
     server.start()
     with page(server) as connection:
-        turn(connection)
+        update(connection)
         server.stop()
         with pytest.raises(ConnectionClosed):
-            turn(connection)
+            update(connection)
 
 
-def test_any_message_asks_for_a_turn(server: PageServer) -> None:
-    with page(server) as connection:
-        connection.send(b"next")
-        assert connection.recv(timeout=10)
+def test_in_a_match_viewers_see_late_operators_at_once_and_teams_their_own_robots(
+    server: PageServer, service: FakeService
+) -> None:
+    def changed(path: str, body: dict[str, Any], method: str = "PATCH") -> None:
+        answer = httpx.request(method, f"http://{server.address}/api/v1{path}", json=body, headers=service.operator)
+        assert answer.is_success, answer.text
 
-
-def test_topics_come_in_their_order_and_end_with_the_last(server: PageServer) -> None:
-    with page(server, query="?topics=state,timing,picture") as connection:
-        connection.send("next")
-        picture, timing, state = (connection.recv(timeout=10) for _ in range(3))
-        with pytest.raises(TimeoutError):
-            connection.recv(timeout=0.1)
-    assert isinstance(picture, bytes)
-    assert [json.loads(message)["topic"] for message in (timing, state)] == ["timing", "state"]
-
-
-@pytest.mark.slow
-def test_timing_alone_comes_twice_a_second_at_most(server: PageServer, service: FakeService) -> None:
-    with page(server, query="?topics=timing") as connection:
-        turns_told = [turn(connection) for _ in range(3)]
-    assert all(picture is None for picture, _ in turns_told)
-    instants_s = [told["now_s"] for _, told in turns_told]
-    assert all(later - now >= turns.TIMING_EVERY_S for now, later in pairwise(instants_s))
-    tasks = {task["name"]: task for task in turns_told[-1][1]["tasks"]}
-    assert set(tasks) == {task.name for task in service.tasks}
-    timing = turns_told[-1][1]["timing"]
-    assert {task["name"] for task in timing["tasks"]} == set(tasks), "the page's own times too"
-    assert timing["lags"]["server"]["count"] > 0
-
-
-def test_unknown_topics_are_refused_with_those_there_are(server: PageServer) -> None:
-    with page(server, query="?topics=state,weather") as connection, pytest.raises(ConnectionClosed) as closed:
-        connection.recv(timeout=10)
-    assert closed.value.rcvd is not None
-    assert closed.value.rcvd.reason == "topics; found: state,weather; accepted: picture,timing,state"
-
-
-def test_what_nobody_takes_is_not_made(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(turns, "picture_message", lambda *_: pytest.fail("nobody takes pictures"))
-    with page(server, query="?topics=state") as connection:
-        for _ in range(3):
-            picture, state = turn(connection)
-            assert picture is None
-            assert state["topic"] == "state"
-
-
-def test_who_waits_for_what_does_not_come_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "PATIENCE_S", 0.3)
-    server = PageServer(FakeService())
-    server.start()
-    with page(server, query="?topics=picture") as connection:
-        connection.send("next")
-        with pytest.raises(ConnectionClosed) as closed:
-            connection.recv(timeout=10)
-    server.stop()
-    assert closed.value.rcvd is not None
-    assert closed.value.rcvd.reason.startswith("there was no picture for")
+    changed("/teams", TEAM, "POST")
+    changed("/match", {"blue": "cgn", "mode": "match", "viewer_delay_s": 1.0})
+    people = People(service.people)
+    key = people.team_keys.renew("cgn")
+    people.close()
+    login = httpx.post(f"http://{server.address}/api/v1/login", json={"secret": key})
+    team = {"cookie": login.headers["set-cookie"].partition(";")[0]}
+    try:
+        with page(server, "world,picture") as viewer, page(server, "world", service.operator) as operator:
+            for _ in range(5):
+                at_once = update(operator)["world"]
+                assert at_once["now_s"] - at_once["grabbed_s"] < 0.5
+            late = update(viewer)
+            world = late["world"]
+            end_s = update(operator)["world"]["now_s"]
+            assert 0.9 < end_s - world["grabbed_s"] < 2.5
+            if "picture" in late:
+                assert end_s - HEADER.unpack_from(late["picture"])[2] > 0.9
+        with page(server, "status,view/blue/2", team) as own:
+            view = update(own).get("view/blue/2") or update(own)["view/blue/2"]
+            assert view["now_s"] - view["grabbed_s"] < 0.5
+        for foreign in ("view/yellow/2", "world", "picture"):
+            with page(server, foreign, team) as other:
+                assert "is not for your team" in refused(other)
+    finally:
+        changed("/match", {"blue": None, "mode": "practice", "viewer_delay_s": 5.0})
+        httpx.delete(f"http://{server.address}/api/v1/teams/cgn", headers=service.operator)

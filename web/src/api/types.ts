@@ -1,0 +1,47 @@
+// Short names for the types that are generated from the service's OpenAPI document.
+
+import type { components } from "./schema";
+
+type Schemas = components["schemas"];
+export type Status = Schemas["Status"];
+export type Alarm = Schemas["Alarm"];
+export type Camera = Schemas["CameraReport"];
+export type Client = Schemas["ClientReport"];
+export type Clients = Schemas["Clients"];
+export type Waiting = Schemas["WaitingReport"];
+export type Field = Schemas["Field"];
+export type EdgeType = Schemas["EdgeTypeReport"];
+export type Task = Schemas["TaskReport"];
+export type Timing = Schemas["Timing"];
+export type Histogram = Schemas["Histogram"];
+export type Team = Schemas["TeamReport"];
+export type TeamRequest = Schemas["TeamRequest"];
+export type Match = Schemas["MatchReport"];
+export type Setting = Schemas["SettingReport"];
+export type Settings = Schemas["SettingsReport"];
+export type Change = Schemas["ChangeReport"];
+export type Exported = Schemas["Export"];
+export type Me = Schemas["Me"];
+/** Why a request failed (RFC 9457). */
+export interface Problem {
+  type: string;
+  title: string;
+  status: number;
+  detail: string;
+  instance: string;
+  asked?: string;
+  found?: string;
+  accepted?: string;
+  field?: string;
+}
+export type Color = "blue" | "yellow";
+export const COLORS: readonly Color[] = ["blue", "yellow"];
+
+/** A robot that a program can have. */
+export interface Robot {
+  team: Color;
+  number: number;
+}
+
+export const isSame = (one: Robot | null, other: Robot | null): boolean =>
+  one !== null && other !== null && one.team === other.team && one.number === other.number;
