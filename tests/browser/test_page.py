@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from app.web.auth.people import People
-from tests.app.fake_service import STATES, FakeService, PageServer, Scene
+from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
 from tests.conftest import ROOT
 from vision_core.rtdb import records
 
@@ -72,6 +72,11 @@ def link(service: FakeService) -> str:
     return f"/?token={token}"
 
 
+def colors_of(page: Page, canvas: str) -> int:
+    """How many colors a canvas shows."""
+    return int(page.locator(canvas).first.evaluate(COLORS))
+
+
 def opened(context: BrowserContext, server: PageServer, path: str) -> Watched:
     watched = Watched(context.new_page())
     watched.page.goto(f"http://{server.address}{path}")
@@ -95,7 +100,7 @@ def test_every_page_in_every_size_is_whole_and_accessible(
             page.wait_for_timeout(300)
             wide = page.evaluate("document.documentElement.scrollWidth")
             assert wide <= width, f"{path} at {width} px is {wide} px wide"
-        page.add_script_tag(path=AXE)
+        page.evaluate(AXE.read_text())
         found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
         bad = [(v["id"], v["nodes"][0]["html"][:200]) for v in found if v["impact"] in ("serious", "critical")]
         assert bad == [], path
@@ -112,9 +117,7 @@ def test_the_canvases_show_field_views_and_picture(browser: Browser, service: Fa
         ("/camera", ".dark canvas"),
     ):
         page = opened(context, server, path).page
-        page.wait_for_function(
-            f"document.querySelector('{canvas}') && ({COLORS})(document.querySelector('{canvas}')) > 3"
-        )
+        wait_for(lambda: colors_of(page, canvas) > 3)  # noqa: B023 (called at once)
         page.close()
     context.close()
 
@@ -148,7 +151,7 @@ def test_an_evening_of_a_referee(browser: Browser, service: FakeService, server:
     page.get_by_role("button", name="Close", exact=True).click()
 
     page.get_by_role("link", name="Match", exact=True).click()
-    page.get_by_label("blue", exact=True).select_option("cgn")
+    page.get_by_label("Team that plays blue").select_option("cgn")
     expect(page.locator(".side-of strong").first).to_have_text("1. FC Köln")
     page.get_by_role("button", name="Swap sides").click()
     expect(page.locator(".side-of strong").nth(1)).to_have_text("1. FC Köln")
@@ -206,12 +209,11 @@ def test_a_lost_connection_and_old_positions_are_said_within_a_second(
 ) -> None:
     context = browser.new_context(viewport={"width": 1440, "height": 900})
     page = opened(context, server, "/").page
-    page.wait_for_function(f"({COLORS})(document.querySelector('.carpet canvas')) > 3")
+    wait_for(lambda: colors_of(page, ".carpet canvas") > 3)
     service.scene.image = False
     expect(page.get_by_text(re.compile("positions .* old"))).to_be_visible(timeout=2_500)
     server.stop()
     expect(page.locator(".pill")).to_contain_text("connection lost", timeout=2_500)
-    server.start()
     context.close()
 
 

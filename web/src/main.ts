@@ -3,7 +3,7 @@ import { createApp } from "vue";
 import App from "./App.vue";
 import { startLive } from "./live/service";
 import { loadMe, logIn } from "./live/session";
-import { router } from "./router";
+import { makeRouter } from "./router";
 import "./style.css";
 import { complain } from "./widgets/toasts";
 import { refuse } from "./widgets/changes";
@@ -27,7 +27,7 @@ async function begin(): Promise<void> {
   await takeSecret();
   await loadMe();
   startLive();
-  const app = createApp(App).use(router);
+  const app = createApp(App).use(makeRouter());
   app.config.errorHandler = (error) => {
     complain(`The page has a fault: ${error instanceof Error ? error.message : String(error)}`);
     console.error(error);

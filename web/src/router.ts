@@ -1,8 +1,10 @@
-import { createRouter, createWebHistory } from "vue-router";
+import { createRouter, createWebHistory, type Router } from "vue-router";
 
 import MatchPage from "./pages/MatchPage.vue";
 
-export const router = createRouter({
+/** The router; it begins with the address at this moment. */
+export function makeRouter(): Router {
+  const router = createRouter({
   history: createWebHistory(),
   routes: [
     { path: "/", name: "match", component: MatchPage, meta: { title: "Match" } },
@@ -20,7 +22,9 @@ export const router = createRouter({
   ],
 });
 
-router.afterEach((to) => {
-  document.title = `${String(to.meta.title)} · PSLV`;
-  document.getElementById("content")?.focus({ preventScroll: true });
-});
+  router.afterEach((to) => {
+    document.title = `${String(to.meta.title)} · PSLV`;
+    document.getElementById("content")?.focus({ preventScroll: true });
+  });
+  return router;
+}
