@@ -170,6 +170,7 @@ class Live:
             late = bool(self._messages.delay_s) and self._is_delayed(page)
             async with _patience("there was no news", DELAYED_PATIENCE_S if late else PATIENCE_S):
                 update = await self._news_of(page)
+            self._choose(page, page.topics)  # the team may play the other color by now
             for topic, message in update.items():
                 page.seen[topic] = message.number
                 async with _patience("the page has not received what it was sent", PATIENCE_S):

@@ -236,6 +236,10 @@ def test_in_a_match_viewers_see_late_operators_at_once_and_teams_their_own_robot
         for foreign in ("view/yellow/2", "world", "picture"):
             with page(server, foreign, team) as other:
                 assert "is not for your team" in refused(other)
+        with page(server, "view/blue/2", team) as own:
+            update(own)
+            changed("/match", {"blue": None})
+            assert "is not for your team" in refused(own)
     finally:
         changed("/match", {"blue": None, "mode": "practice", "viewer_delay_s": 5.0})
         httpx.delete(f"http://{server.address}/api/v1/teams/cgn", headers=service.operator)
