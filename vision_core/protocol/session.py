@@ -55,7 +55,13 @@ REPEAT_S = 10.0
 AT_ONCE_S = 2.0
 """A closed port reported so soon after an init: the client does not receive from this port. Later: it has ended."""
 LIMITED_ERRORS = frozenset(
-    {ErrorCode.ILLEGAL_FORM, ErrorCode.UNKNOWN_COMMAND, ErrorCode.NOT_CONNECTED, ErrorCode.RATE_LIMITED}
+    {
+        ErrorCode.ILLEGAL_FORM,
+        ErrorCode.UNKNOWN_COMMAND,
+        ErrorCode.NOT_CONNECTED,
+        ErrorCode.RATE_LIMITED,
+        ErrorCode.NOT_ADMITTED,
+    }
 )
 """Errors that one sender is told at most once in 5 s. The others, about an init, it is told each time."""
 SNAPSHOT = 2

@@ -19,7 +19,7 @@ from vision_core.net.udp import adopted
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.session import Event, SessionRules, Sessions
+from vision_core.protocol.session import Event, Reply, RequestRefused, SessionRules, Sessions
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import EndedSession
 from vision_core.scheduling.handle import Handle, Step
@@ -66,6 +66,7 @@ class ServeTask:
         self._live_sequence = 0
         self._revision = 0
         self._ended: tuple[EndedSession, ...] = ()
+        self._apply_live_settings()  # a successor goes on with what was changed before
 
     def receive(self) -> None:
         """Receive and answer the datagrams of clients."""
@@ -134,8 +135,8 @@ class ServeTask:
         self._note(events)
 
     def _note(self, events: Sequence[Event]) -> None:
-        if events:
-            self._report.note_events(events, self.server, self._clock.now())
+        self._report.note_events(events, self.server, self._clock.now())
+        if not all(isinstance(event, (Reply, RequestRefused)) for event in events):  # a stranger changes no session
             self._save_sessions()
 
     def _save_sessions(self) -> None:
