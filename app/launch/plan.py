@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 
 from app.launch.resource_owners import port_holder
-from app.supervisor.plan import ChildPlan, ServicePlan
+from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
 from app.web import PROCESS as WEB_PROCESS
 from vision_core import startup
 from vision_core.clock import Instant
@@ -25,7 +25,7 @@ from vision_core.rtdb.infos import ServiceInfo
 from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
 from vision_core.settings.layers import Layer
 from vision_core.settings.schema import Settings
-from vision_core.tasks.table import COMPILER, RESPONDER, record_specs, task_table
+from vision_core.tasks.table import COMPILER, LOG_READER, RESPONDER, record_specs, task_table
 
 SPARES = ("spare-1", "spare-2")
 """Names of the warm spares; names of tasks have no dash."""
@@ -66,7 +66,7 @@ def plan_service(
         http.close()
         raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
     tasks = task_table(settings)
-    children = (_compiler(), _responder(), *_child_plans(tasks, settings))
+    children = (_log_reader(), _compiler(), _responder(), *_child_plans(tasks, settings))
     with_heartbeat = (*(child.name for child in children), *SPARES)
     boot = time.monotonic_ns()
     info = ServiceInfo(
@@ -80,11 +80,13 @@ def plan_service(
         database=str(document),
         venue=venue,
     )
+    log, output = socket.socketpair()
+    output.setblocking(False)
     plan = ServicePlan(
         children=children,
         records=record_specs(settings, tasks, with_heartbeat),
         initial={"service": records.SERVICE.encode(info)},
-        sockets={"http": http, "main": main, "session": session},
+        sockets={"http": http, "main": main, "session": session, LOG: log, OUTPUT: output},
         boot=boot,
         spares=SPARES,
         control=f"{PREFIX}{http.getsockname()[1]}",
@@ -141,6 +143,23 @@ def _responder() -> ChildPlan:
         longest_run_s=ORDINARY_MAX_RUN_S,
         spared=False,
         purpose="answers clients while the server is not ready",
+    )
+
+
+def _log_reader() -> ChildPlan:
+    """Prints what the others print: they wait for nobody who reads the service's output."""
+    return ChildPlan(
+        name=LOG_READER,
+        module=startup.LOG_READER,
+        wakes=(),
+        writes=(),
+        sockets=(LOG,),
+        after_compile=False,
+        once=False,
+        heartbeat_s=HEARTBEAT_S + OWN_LOOP_S,
+        longest_run_s=ORDINARY_MAX_RUN_S,
+        spared=False,
+        purpose="prints what the others print",
     )
 
 

@@ -41,6 +41,8 @@ class Child:
     arguments: tuple[str, ...] = ()
     inherits: tuple[int, ...] = ()
     """Descriptors that it inherits beside those of its resources."""
+    output: int | None = None
+    """Descriptor to which it prints; None: the service's own output."""
     is_spare: bool = False
     """Its standard input is a pipe, through which it learns which process to become."""
     state: ProcessState = ProcessState.WAITING
@@ -92,7 +94,8 @@ class Child:
                 env=environment,
                 pass_fds=(*self.resources.descriptors(), *self.inherits),
                 stdin=subprocess.PIPE if self.is_spare else subprocess.DEVNULL,
-                stdout=subprocess.PIPE if self.plan.once else None,
+                stdout=subprocess.PIPE if self.plan.once else self.output,
+                stderr=self.output,
                 bufsize=0,
                 process_group=0,  # a Ctrl-C at the terminal reaches the supervisor alone
             )

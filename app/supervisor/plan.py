@@ -5,6 +5,10 @@ from dataclasses import dataclass
 
 from vision_core.rtdb.layout import RecordSpec
 
+LOG, OUTPUT = "log", "output"
+"""Names of two connected sockets. Processes print to OUTPUT, at which no writer waits; the one that has LOG reads there
+and prints to the service's own output. Without them all print to that."""
+
 
 @dataclass(frozen=True, slots=True)
 class ChildPlan:

@@ -13,7 +13,7 @@ from typing import Any
 
 from app.supervisor.child import Child
 from app.supervisor.control import Answer, ControlSocket
-from app.supervisor.plan import ChildPlan, ServicePlan
+from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
 from app.supervisor.priorities import go_first
 from app.supervisor.spares import Spares, spare_plans
 from vision_core.clock import NS_PER_S
@@ -50,7 +50,10 @@ class Supervisor:
             self._store.writer(name).write(value, monotonic(), monotonic())
         self._events = {child.name: os.eventfd(0, os.EFD_NONBLOCK) for child in plan.children if child.wakes}
         self._processes = self._store.writer("processes")
-        self.children = [Child(child, self._resources(child), self._heartbeat(child)) for child in plan.children]
+        self.children = [
+            Child(child, self._resources(child), self._heartbeat(child), output=self._output(child))
+            for child in plan.children
+        ]
         self.spares = Spares([self._spare(spare) for spare in spare_plans(plan)])
         self._all = (*self.children, *self.spares.all)
         self._woken, self._wake = socket.socketpair()
@@ -256,6 +259,11 @@ class Supervisor:
     def _heartbeat(self, plan: ChildPlan) -> SlotReader:
         return self._store.reader(f"{HEARTBEAT}/{plan.name}")
 
+    def _output(self, plan: ChildPlan) -> int | None:
+        """Where a child prints."""
+        output = self._plan.sockets.get(OUTPUT)
+        return None if output is None or LOG in plan.sockets else output.fileno()
+
     def _spare(self, plan: ChildPlan) -> Child:
         """A spare may become any child: it inherits every descriptor, and imports the main module of every child."""
         modules = dict.fromkeys(child.module for child in self._plan.children if child.spared)
@@ -266,6 +274,7 @@ class Supervisor:
             self._heartbeat(plan),
             arguments=tuple(modules),
             inherits=(*self._events.values(), *sockets),
+            output=self._output(plan),
             is_spare=True,
         )
 

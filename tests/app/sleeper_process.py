@@ -30,6 +30,10 @@ def main() -> None:
     while not attachment.stopping or name == "deaf":
         attachment.heartbeat(monotonic())
         time.sleep(0.02)
+        if name == "chatterbox":
+            print("chatter " * 1000, file=sys.stderr)
+        if name == "speaker":
+            print("a line", file=sys.stderr)
         while name == "looper":
             pass
         if name == "thinker":

@@ -1,14 +1,17 @@
 """Main module: a supervisor over sleepers, in a process of its own. Prints its log.
 
-The arguments are the names of the sleepers; a number among them is the number of warm spares.
+The arguments are the names of the sleepers; a number among them is the number of warm spares. "reader" prints what the
+others print.
 """
 
 import json
 import os
+import socket
 import sys
 
-from app.supervisor.plan import ChildPlan, ServicePlan
+from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
 from app.supervisor.supervisor import Supervisor
+from vision_core import startup
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.task import ORDINARY_MAX_RUN_S
 from vision_core.scheduling.attachment import monotonic
@@ -21,10 +24,10 @@ def main(arguments: list[str]) -> int:
     children = tuple(
         ChildPlan(
             name=name,
-            module="tests.app.sleeper_process",
+            module=startup.LOG_READER if name == "reader" else "tests.app.sleeper_process",
             wakes=(),
             writes=(),
-            sockets=(),
+            sockets=(LOG,) if name == "reader" else (),
             after_compile="job" in names and name != "job",
             once=name == "job",
             heartbeat_s=0.5,
@@ -36,7 +39,18 @@ def main(arguments: list[str]) -> int:
     with_heartbeat = (*names, *spares)
     specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"heartbeat/{name}", 8, 0.0) for name in with_heartbeat))
     control = f"pslv/test-{os.getpid()}"
-    plan = ServicePlan(children, specs, {}, {}, monotonic(), spares, control, "tests.app.spare_process")
+    log_end, output = socket.socketpair()
+    output.setblocking(False)
+    plan = ServicePlan(
+        children=children,
+        records=specs,
+        initial={},
+        sockets={LOG: log_end, OUTPUT: output} if "reader" in names else {},
+        boot=monotonic(),
+        spares=spares,
+        control=control,
+        spare_module="tests.app.spare_process",
+    )
     supervisor = Supervisor(plan, log, log)
     reader = supervisor._store.reader("processes")
     publish = supervisor._publish

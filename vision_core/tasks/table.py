@@ -31,8 +31,12 @@ COMPILER = "compile"
 """Process that compiles the kernels once, before the tasks start."""
 RESPONDER = "responder"
 """Process that answers clients while the task serve does not run."""
+LOG_READER = "log_reader"
+"""Process that prints what the others print."""
 SOURCE = "source"
 """Task that plays the camera when the source is no device."""
+RESERVED = (COMPILER, RESPONDER, LOG_READER)
+"""Processes that run no task of the table."""
 MAX_OWN = 65536
 """Size of a record that a user's own task writes [bytes]."""
 VALID_PERIODS = 3.0
@@ -157,7 +161,7 @@ def check_table(settings: Settings, place_of: Callable[[str], str]) -> None:
     accepted = f"{', '.join(sorted(names))}, or with a module a task of your own"
     unknown_tasks = [TableProblem(f"tasks.{name}", "no task of this name", accepted) for name in unknown]
     own_records = [f"{kind}/{task.name}" for task in tasks for kind in ("task", "timing")]
-    heartbeats = [f"heartbeat/{process}" for process in (COMPILER, RESPONDER, *{task.process for task in tasks})]
+    heartbeats = [f"heartbeat/{process}" for process in (*RESERVED, *{task.process for task in tasks})]
     found = problems(tasks, (*GIVEN, *own_records, *heartbeats), CameraSetup.from_settings(settings).rate_hz)
     for problem in (*unknown_tasks, *_misplaced(settings), *found):
         where = f"{place_of(problem.key)}: {problem.key}"
@@ -174,7 +178,7 @@ def _misplaced(settings: Settings) -> Iterator[TableProblem]:
             yield TableProblem(f"tasks.{name}", found, "its times only: vision_core/tasks/table.py says the rest")
         if name in built_in and built_in[name].own_loop and line.process not in ("", name):
             yield TableProblem(f"tasks.{name}.process", line.process, "a process of its own: it has a loop of its own")
-        for reserved in sorted({COMPILER, RESPONDER} & {name, line.process}):
+        for reserved in sorted(set(RESERVED) & {name, line.process}):
             yield TableProblem(f"tasks.{name}", reserved, "another name: this one has a process of its own")
 
 

@@ -27,12 +27,13 @@ SPARES = ("spare-1", "spare-2")
 class Service:
     """A supervisor in a process of its own, and what it says."""
 
-    def __init__(self, *names: str) -> None:
+    def __init__(self, *names: str, stderr: int | None = None) -> None:
         """names: of the sleepers, and how many warm spares there are."""
         self.process = subprocess.Popen(
             [sys.executable, "-m", "tests.app.supervised_service", *names],
             cwd=ROOT,
             stdout=subprocess.PIPE,
+            stderr=stderr,
             text=True,
         )
         self.log: list[str] = []
@@ -67,8 +68,8 @@ class Service:
 
 
 @contextlib.contextmanager
-def service(*names: str) -> Iterator[Service]:
-    started = Service(*names)
+def service(*names: str, stderr: int | None = None) -> Iterator[Service]:
+    started = Service(*names, stderr=stderr)
     try:
         yield started
     finally:
@@ -308,3 +309,27 @@ def test_the_database_can_be_read_from_outside() -> None:
         started.process.wait(timeout=PATIENCE_S)
         assert not attached.runs()
         attached.close()
+
+
+@pytest.mark.slow
+def test_nobody_reads_the_services_output_and_all_go_on() -> None:
+    unread, output = os.pipe()
+    with service("reader", "chatterbox", "one", stderr=output) as started:
+        started.running("reader", "chatterbox", "one")
+        until = time.monotonic() + 4.0  # 1.6 MB, far more than pipe and socket hold
+        table = started.until(lambda table: time.monotonic() > until)
+        assert {(row["state"], row["restarts"]) for row in table.values()} == {("running", 0)}
+        started.process.send_signal(signal.SIGTERM)
+        assert started.process.wait(timeout=PATIENCE_S) == 0
+    os.close(unread)
+    os.close(output)
+
+
+@pytest.mark.slow
+def test_what_processes_print_comes_out_as_whole_lines() -> None:
+    printed, output = os.pipe()
+    with service("reader", "speaker", stderr=output) as started:
+        started.running("reader", "speaker")
+        assert os.read(printed, 7) == b"a line\n"
+    os.close(printed)
+    os.close(output)
