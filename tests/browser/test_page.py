@@ -230,3 +230,18 @@ def test_why_the_service_is_not_ready_is_said(browser: Browser) -> None:
     context.close()
     server.stop()
     service.stop()
+
+
+def test_a_service_that_says_nothing_is_seen_on_every_page_within_a_second(
+    browser: Browser, service: FakeService, server: PageServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    context = browser.new_context()
+    page = opened(context, server, "/about").page
+    monkeypatch.setattr("app.web.live.connection.LiveMessages.make", _nothing)
+    expect(page.locator(".pill")).to_contain_text("no news for", timeout=1_500)
+    context.close()
+
+
+async def _nothing(*_arguments: object) -> bool:
+    """Makes no message."""
+    return False

@@ -1,6 +1,6 @@
 // The one live connection of the page, and what the whole page knows of the service: link, status, field, clock.
 
-import { onScopeDispose, ref, shallowRef, type ShallowRef } from "vue";
+import { computed, onScopeDispose, ref, shallowRef, type ShallowRef } from "vue";
 
 import { api } from "../api/client";
 import type { Field, Match, Status } from "../api/types";
@@ -21,12 +21,12 @@ export const field = shallowRef<Field | null>(null);
 export const pageClock = ref(seconds());
 
 let ahead = -Infinity; // the service's clock minus the page's [s]; a late message can only make it too small
-let received = 0;
+const received = ref(0); // when the newest update came [s of the page's clock]
 let fieldOf = -1; // the revision that the field belongs to
 
 export const connection = new LiveConnection(onLink, (now_s) => {
-  ahead = Math.max(now_s - seconds(), ahead - CLOCK_DRIFT * (seconds() - received));
-  received = seconds();
+  ahead = Math.max(now_s - seconds(), ahead - CLOCK_DRIFT * (seconds() - received.value));
+  received.value = seconds();
 });
 
 export function seconds(): number {
@@ -37,6 +37,9 @@ export function seconds(): number {
 export function since(instant_s: number): number {
   return Math.max(pageClock.value + (Number.isFinite(ahead) ? ahead : 0) - instant_s, 0);
 }
+
+/** Time since the service sent anything [s]: it sends a status four times a second. */
+export const silence_s = computed(() => (received.value ? Math.max(pageClock.value - received.value, 0) : 0));
 
 /** Begin; the page calls it once. */
 export function startLive(): void {
@@ -71,7 +74,8 @@ function onLink(open: boolean, reason: string): void {
 async function loadField(revision: number): Promise<void> {
   fieldOf = revision;
   try {
-    field.value = await api.get<Field>("/field");
+    const found = await api.get<Field>("/field");
+    if (fieldOf === revision) field.value = found; // an answer that a newer one has overtaken is dropped
   } catch {
     fieldOf = -1; // the next status tries again
   }
