@@ -65,9 +65,16 @@ def page_routes() -> APIRouter:
     return router
 
 
+class _BuiltFiles(StaticFiles):
+    """Files of a folder that may come later: until then there are none."""
+
+    async def check_config(self) -> None:
+        """Nothing: a missing folder is no fault of a request."""
+
+
 def static_files() -> StaticFiles:
     """Scripts, style sheets and images of the pages."""
-    return StaticFiles(directory=web_folder(), check_dir=False)
+    return _BuiltFiles(directory=web_folder(), check_dir=False)
 
 
 def _file(name: str) -> Response:

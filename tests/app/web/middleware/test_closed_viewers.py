@@ -48,6 +48,7 @@ def test_nobody_sees_anything_but_the_page_to_log_in(address: str) -> None:
             connect(f"ws://{address}{path}", proxy=None)
 
 
+@pytest.mark.usefixtures("built_page")
 def test_a_viewer_who_has_logged_in_sees_everything_and_changes_nothing(address: str, service: FakeService) -> None:
     people = People(service.people)
     people.set_password(Role.VIEWER, PASSWORD)
