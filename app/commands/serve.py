@@ -85,11 +85,11 @@ def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope:
     for line in prepare_kernel_folder():
         print_line(line)
     with contextlib.ExitStack() as held:
-        held.enter_context(page_being_built())
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
         plan, info = plan_service(settings, __version__, layers, document, scope)
         machine = preflight(settings, print_line)
+        held.enter_context(page_being_built())  # not before: the self-test of the machine wants it quiet
         plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
         print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
         print_line(in_words(machine))

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import app
 
-NICENESS = 10
+NICENESS = 19
+"""The kernels come first."""
 
 
 @contextmanager
