@@ -51,12 +51,12 @@ def printing() -> Iterator[Printing]:
 
 
 def test_a_line_comes_out_when_it_is_whole(printing: Printing) -> None:
-    printing.output.send(b"first\nsec")
+    printing.output.send(b"first\nthe next ")
     printing.read_all()
     assert printing.lines() == [b"first"]
-    printing.output.send(b"ond\n")
+    printing.output.send(b"line\n")
     printing.read_all()
-    assert printing.lines() == [b"second"]
+    assert printing.lines() == [b"the next line"]
 
 
 def test_lines_of_two_processes_do_not_mix(printing: Printing) -> None:
