@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vision_core.geometry import Bytes
+from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
 from vision_core.settings.schema import CameraSettings, Settings
 
@@ -65,3 +65,17 @@ class CameraSetup:
         pixels = np.array([point.pixel_px for point in camera.homography.points])
         places = np.array([point.field_m for point in camera.homography.points])
         return HomographyCamera(pixels, places, camera.homography.position_m)
+
+    def seen_floor_m(self, steps: int) -> Floats:
+        """Border of the part of the floor that the picture shows [m], shape (n, 2), n <= 4 * steps.
+
+        steps: points along each side of the picture, the first in its corner, since lenses bend straight sides. Points
+        at which the camera sees no floor are left out.
+        """
+        width, height = self.size_px
+        corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+        shares = np.arange(steps)[:, None] / steps
+        sides = [a + shares * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+        floor = self.model.field_from_pixel(np.concatenate(sides))
+        seen: Floats = floor[np.isfinite(floor).all(axis=1)]
+        return seen

@@ -132,7 +132,7 @@ def field_from(service: ServiceInfo) -> Field:
         edge_types={edge.kind.name.lower(): _edge_type(edge) for edge in EDGE_TYPES},
         mirror_m=_mirror_table(settings),
         painted_px=[_visible(_in_picture(camera, points)) for points in painted_points(field, STEPS + 1)],
-        coverage_m=_coverage(setup),
+        coverage_m=[(x, y) for x, y in np.round(setup.seen_floor_m(STEPS), 3).tolist()],
     )
 
 
@@ -190,16 +190,6 @@ def _edge_type(edge: EdgeType) -> EdgeTypeReport:
 def _in_picture(camera: CameraModel, points_m: Floats, height_m: float | Floats = 0.0) -> Points:
     """Points of the field in the picture, rounded to 0.1 px; nan where the camera cannot see them."""
     return [(x, y) for x, y in np.round(camera.pixel_from_field(points_m, height_m), 1).tolist()]
-
-
-def _coverage(camera: CameraSetup) -> Points:
-    """The border of the picture on the floor [m]."""
-    width, height = camera.size_px
-    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
-    shares = np.linspace(0.0, 1.0, STEPS, endpoint=False)[:, None]
-    sides = [a + shares * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
-    floor = camera.model.field_from_pixel(np.concatenate(sides))
-    return [(x, y) for x, y in np.round(floor, 3).tolist() if math.isfinite(x) and math.isfinite(y)]
 
 
 def _visible(points_px: Points) -> Points:

@@ -8,15 +8,16 @@ import viser
 from app.web.view3d.solids import CIRCLE_STEPS, circle_m, flattened, square_m, upright
 from vision_core.geometry import Floats
 from vision_core.models.from_settings import robots_of
+from vision_core.models.mirror import MM_PER_M
 from vision_core.patterns.loader import Pattern, load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.settings.schema import Settings, TeamRobotSettings
+from vision_core.types.edges import BLUE_RGB, YELLOW_RGB
 from vision_core.types.objects import Team
 from vision_core.types.tracks import RobotTrack
 
-MM_PER_M = 1000.0
 BODY_RGB = (52, 55, 62)
-TEAM_RGB = {Team.BLUE: (42, 98, 214), Team.YELLOW: (240, 200, 40)}
+TEAM_RGB = {Team.BLUE: BLUE_RGB, Team.YELLOW: YELLOW_RGB}
 BAND = (0.55, 0.8)
 """The colored band of the team round a body, as shares of its height."""
 BAND_THICKNESS_M = 0.0015

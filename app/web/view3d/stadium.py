@@ -63,8 +63,7 @@ def add_walls(scene: viser.SceneApi, settings: Settings, blue_defends: str) -> N
 def add_camera(scene: viser.SceneApi, camera: CameraSetup) -> None:
     """The camera at its place, and the part of the floor that it sees."""
     center = np.asarray(camera.model.position_m, dtype=np.float64)
-    border = camera.model.field_from_pixel(_picture_border(*camera.size_px))
-    floor = _on_floor(border[np.isfinite(border).all(axis=1)], LIFT_M)
+    floor = _on_floor(camera.seen_floor_m(PICTURE_STEPS), LIFT_M)
     name = f"/cameras/{camera.name}"
     scene.add_box(name, CAMERA_RGB, (CAMERA_SIZE_M,) * 3, position=tuple(center))
     if len(floor) < 3:
@@ -73,14 +72,6 @@ def add_camera(scene: viser.SceneApi, camera: CameraSetup) -> None:
     closed = np.vstack([floor, floor[:1]])
     points = np.concatenate([np.stack(edges), _pieces(closed)])
     scene.add_line_segments(f"/cameras/{camera.name} sees", points, CAMERA_RGB, thickness=0.006)
-
-
-def _picture_border(width_px: int, height_px: int) -> Floats:
-    """Points round the picture, each corner first; shape (4 * PICTURE_STEPS, 2)."""
-    corners = np.array([[0.0, 0.0], [width_px, 0.0], [width_px, height_px], [0.0, height_px]])
-    shares = np.arange(PICTURE_STEPS)[:, None] / PICTURE_STEPS
-    sides = [a + shares * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
-    return np.concatenate(sides)
 
 
 def _pieces(points_m: Floats) -> Floats:
