@@ -16,7 +16,7 @@ from app.web.problems import MEDIA_TYPE, PROBLEM, ProblemDetails, RequestRefused
 from app.web.reports.field import Field, field_from
 from app.web.reports.status import Status, status_from
 from vision_core.native.opencv import encode_jpeg
-from vision_core.settings.schema import MatchSettings
+from vision_core.settings.schema import MatchSettings, MirrorSettings
 
 SNAPSHOT_QUALITY = 92
 STATUS_EVERY_S = 0.1
@@ -40,13 +40,13 @@ def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Co
         return Response(await newest_status.get(), media_type="application/json")
 
     @lru_cache(maxsize=4)
-    def field_of(match: MatchSettings) -> Field:
-        return field_from(replace(service, settings=structs.replace(service.settings, match=match)))
+    def field_of(match: MatchSettings, mirror: MirrorSettings) -> Field:
+        return field_from(replace(service, settings=structs.replace(service.settings, match=match, mirror=mirror)))
 
     @router.get("/field")
     def field() -> Field:
         """The geometry of the field and who wears which marker; a change of sides or teams changes it."""
-        return field_of(configuration.settings.match)
+        return field_of(configuration.settings.match, configuration.settings.mirror)
 
     @router.get(
         "/snapshot.jpg",

@@ -37,7 +37,6 @@ class Scene:
     def __init__(self, server: viser.ViserServer, settings: Settings) -> None:
         self._server = server
         self._settings = settings
-        self._mirror = mirror_from(settings)
         self._blue_defends = settings.match.blue_defends
         self.selected: Robot | None = None
         """The robot whose rays are drawn."""
@@ -55,8 +54,9 @@ class Scene:
         self._add_panel()
         server.on_client_connect(self._add_layers)
 
-    def show(self, world: World | None, views: Views | None, match: MatchSettings) -> None:
-        """Draw a world and the views that belong to it; None hides what moves."""
+    def show(self, world: World | None, views: Views | None, settings: Settings) -> None:
+        """Draw a world and the views that belong to it; None hides what moves. settings: those in effect."""
+        match = settings.match
         if match.blue_defends != self._blue_defends:
             self._blue_defends = match.blue_defends
             add_walls(self._server.scene, self._settings, match.blue_defends)
@@ -64,7 +64,9 @@ class Scene:
         with self._server.atomic():
             self._robots.show(robots)
             self._ball.show(world.ball if world else None)
-            self._sights.show(views.views if views else (), _by_number(robots, match), self._mirror, self.selected)
+            self._sights.show(
+                views.views if views else (), _by_number(robots, match), mirror_from(settings), self.selected
+            )
 
     def _place_viewer(self) -> None:
         """Everybody begins beside the field, looking at its center."""

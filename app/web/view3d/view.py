@@ -115,9 +115,7 @@ class View3D:
             return
         snapshot = self._blackboard.read()
         world, views = snapshot.recent(records.WORLD), snapshot.recent(records.VIEWS)
-        self._scene.show(
-            world.value if world else None, views.value if views else None, self._configuration.settings.match
-        )
+        self._scene.show(world.value if world else None, views.value if views else None, self._configuration.settings)
 
 
 async def _relay(page: WebSocket, server: "GuardedServer", may_look: Callable[[], bool]) -> None:

@@ -170,6 +170,12 @@ def test_the_mirror_of_one_team(http: httpx.Client, service: FakeService) -> Non
     assert live(service).mirror.yellow is None
 
 
+def test_the_pages_field_has_the_mirror_in_effect(http: httpx.Client) -> None:
+    before = http.get("/field").json()["mirror_m"]
+    http.patch("/settings", json={"changes": {"mirror.a": 4.4, "mirror.b": 0.0138}})
+    assert http.get("/field").json()["mirror_m"] != before
+
+
 def test_who_waits_is_admitted_for_a_time_and_turned_away(http: httpx.Client, service: FakeService) -> None:
     now = service.clock.now()
     waiting = RefusedRequest("10.0.0.7", 4711, Team.BLUE, 3, ErrorCode.NOT_ADMITTED.value, now, now, 4)
