@@ -10,10 +10,12 @@ import socket
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import httpx
 import numpy as np
 import uvicorn
 from msgspec import to_builtins
@@ -268,6 +270,25 @@ class PageServer:
         """Stop serving; open pages are closed."""
         self._server.should_exit = True
         self._thread.join()
+
+
+@contextmanager
+def running_service(scene: Scene | None = None, settings: Settings | None = None) -> Iterator[FakeService]:
+    """A fake service that runs until the end of the block."""
+    service = FakeService(scene, settings)
+    service.start()
+    yield service
+    service.stop()
+
+
+@contextmanager
+def served_page(service: FakeService, path: str = "/healthz") -> Iterator[str]:
+    """Address of the page of a fake service, from when a path of it answers 200 until the end of the block."""
+    server = PageServer(service)
+    server.start()
+    wait_for(lambda: httpx.get(f"http://{server.address}{path}").status_code == 200)
+    yield server.address
+    server.stop()
 
 
 def wait_for(reached: Callable[[], object], patience_s: float = 20.0) -> None:

@@ -4,14 +4,13 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
-import httpx
 import hypothesis
 import pytest
 import schemathesis
 from schemathesis.checks import not_a_server_error
 from schemathesis.specs.openapi.checks import response_schema_conformance, status_code_conformance
 
-from tests.app.fake_service import FakeService, PageServer, Scene, wait_for
+from tests.app.fake_service import FakeService, Scene, running_service, served_page
 
 pytestmark = pytest.mark.slow
 EXAMPLES = 12
@@ -24,19 +23,14 @@ UNAVAILABLE = {503}
 
 @pytest.fixture(scope="module")
 def service() -> Iterator[FakeService]:
-    service = FakeService(Scene(clients=2))
-    service.start()
-    yield service
-    service.stop()
+    with running_service(Scene(clients=2)) as service:
+        yield service
 
 
 @pytest.fixture(scope="module")
 def address(service: FakeService) -> Iterator[str]:
-    server = PageServer(service)
-    server.start()
-    wait_for(lambda: httpx.get(f"http://{server.address}/readyz").status_code == 200)
-    yield server.address
-    server.stop()
+    with served_page(service, "/readyz") as address:
+        yield address
 
 
 @pytest.mark.timeout(400)

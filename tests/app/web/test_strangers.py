@@ -22,7 +22,7 @@ from app.web.auth.attempts import FORGET_ONE_S, OVERALL, TRIES, Attempts
 from app.web.closing import MAX_REASON, short
 from app.web.connections import OperatorAddresses, has_room
 from app.web.live import connection as live
-from tests.app.fake_service import FakeService, PageServer, Scene, wait_for
+from tests.app.fake_service import FakeService, Scene, running_service, served_page
 
 HALF_A_REQUEST = b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Long: "
 HALF_A_BODY = (
@@ -41,19 +41,14 @@ class Clock:
 
 @pytest.fixture(scope="module")
 def service() -> Iterator[FakeService]:
-    service = FakeService(Scene(clients=1))
-    service.start()
-    yield service
-    service.stop()
+    with running_service(Scene(clients=1)) as service:
+        yield service
 
 
 @pytest.fixture
 def address(service: FakeService) -> Iterator[str]:
-    server = PageServer(service)
-    server.start()
-    wait_for(lambda: httpx.get(f"http://{server.address}/healthz").status_code == 200)
-    yield server.address
-    server.stop()
+    with served_page(service) as address:
+        yield address
 
 
 def opened(address: str, sent: bytes = b"", source: str = "127.0.0.1") -> socket.socket:

@@ -10,7 +10,7 @@ from websockets.sync.client import connect
 
 from app.web.auth.identity import Role
 from app.web.auth.people import People
-from tests.app.fake_service import FakeService, PageServer, Scene, wait_for
+from tests.app.fake_service import FakeService, Scene, running_service, served_page
 from vision_core.venues.loader import load_settings
 
 NEEDED_TO_LOG_IN = ("/", "/healthz", "/readyz", "/web/")
@@ -22,19 +22,14 @@ PASSWORD = "a long password"
 def service() -> Iterator[FakeService]:
     settings = load_settings()
     server = structs.replace(settings.server, viewers="closed")
-    service = FakeService(Scene(clients=1), structs.replace(settings, server=server))
-    service.start()
-    yield service
-    service.stop()
+    with running_service(Scene(clients=1), structs.replace(settings, server=server)) as service:
+        yield service
 
 
 @pytest.fixture(scope="module")
 def address(service: FakeService) -> Iterator[str]:
-    server = PageServer(service)
-    server.start()
-    wait_for(lambda: httpx.get(f"http://{server.address}/readyz").status_code == 200)
-    yield server.address
-    server.stop()
+    with served_page(service, "/readyz") as address:
+        yield address
 
 
 def test_nobody_sees_anything_but_the_page_to_log_in(address: str) -> None:

@@ -12,7 +12,7 @@ from app.web.auth.addresses import is_our_name
 from app.web.auth.identity import Role
 from app.web.auth.people import People
 from app.web.auth.rules import READING
-from tests.app.fake_service import FakeService, PageServer, Scene, wait_for
+from tests.app.fake_service import FakeService, PageServer, Scene, running_service, served_page, wait_for
 
 PASSWORD = "a long password"
 OPEN = {("POST", "/api/v1/login"), ("POST", "/api/v1/logout")}
@@ -21,19 +21,14 @@ SOCKETS = ("/live", "/view3d", "/view3d/")
 
 @pytest.fixture(scope="module")
 def service() -> Iterator[FakeService]:
-    service = FakeService(Scene(clients=1))
-    service.start()
-    yield service
-    service.stop()
+    with running_service(Scene(clients=1)) as service:
+        yield service
 
 
 @pytest.fixture(scope="module")
 def address(service: FakeService) -> Iterator[str]:
-    server = PageServer(service)
-    server.start()
-    wait_for(lambda: httpx.get(f"http://{server.address}/healthz").status_code == 200)
-    yield server.address
-    server.stop()
+    with served_page(service) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
