@@ -55,6 +55,7 @@ from vision_core.types.objects import (
     Sightings,
     Team,
 )
+from vision_core.types.reasons import Reason
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import BallTrack, ObstacleTrack, RobotTrack, World
 from vision_core.venues.loader import layers_of, load_settings, settings_from_layers
@@ -80,7 +81,7 @@ class Scene:
     states: dict[str, tuple[str, str]] = field(default_factory=dict)
     """State and detail of processes that do not run."""
     condition: Condition = field(default_factory=Condition)
-    reasons: tuple[str, ...] = ()
+    reasons: tuple[Reason, ...] = ()
     obstacles: bool = True
     moving: bool = True
     repeats: bool = False
@@ -312,7 +313,11 @@ STATES: dict[str, Scene] = {
     "blind": Scene(image=False),
     "crashing": Scene(states={"perceive": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")}),
     "unread": Scene(unread=True, missing=1),
-    "empty": Scene(robots=False, reasons=("no blob is large enough to be a dot of a marker",), repeats=True),
+    "empty": Scene(
+        robots=False,
+        reasons=(Reason("no blob is large enough to be a dot of a marker", "Check the pattern."),),
+        repeats=True,
+    ),
     "degraded": Scene(
         condition=Condition(rights=False, p99_us=3200.0, reporting=False),
         states={"watch": ("disabled", "5 ends within a minute, the last with signal SIGSEGV")},
@@ -321,9 +326,9 @@ STATES: dict[str, Scene] = {
     "explained": Scene(
         missing=4,
         reasons=(
-            "the picture is overexposed: 31 % of the field's pixels are at 255",
-            "no blob of class yellow has the area of a center dot: the nearest has 41 px, 70 to 160 are accepted",
-            "painted lines lie 9 px beside where the camera model sees them: calibrate the camera",
+            Reason("the picture is overexposed: 31 % of the field's pixels are at 255", "Close the lens."),
+            Reason("no blob of class yellow is as large as a dot: 41 px, accepted: 70 to 160", "Check the pattern."),
+            Reason("painted lines lie 9 px beside where the camera model sees them", "Calibrate the camera."),
         ),
     ),
 }

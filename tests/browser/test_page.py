@@ -226,10 +226,34 @@ def test_why_the_service_is_not_ready_is_said(browser: Browser) -> None:
     page = context.new_page()
     page.goto(f"http://{server.address}/")
     expect(page.locator(".pill")).to_contain_text(re.compile("not ready|degraded"))
-    expect(page.locator(".alarms li").first).to_be_visible()
+    expect(page.locator(".headline")).to_contain_text("pslv restart perceive")
+    page.get_by_role("button", name="alarm").click()
+    alarm = page.locator(".alarms li").first
+    expect(alarm).to_contain_text("process perceive is disabled")
+    expect(alarm).to_contain_text(re.compile(r"What to do: .*pslv restart perceive"))
+    expect(alarm).to_contain_text(re.compile(r"since \d\d:\d\d"))
+    page.keyboard.press("Escape")
+    expect(alarm).to_have_count(0)
     context.close()
     server.stop()
     service.stop()
+
+
+@pytest.mark.parametrize("width", [1440, 1024])
+def test_the_strip_stays_in_place_while_its_numbers_change(
+    browser: Browser, service: FakeService, server: PageServer, width: int
+) -> None:
+    context = browser.new_context(viewport={"width": width, "height": 768})
+    page = opened(context, server, "/about").page
+    boxes = "[...document.querySelectorAll('.figure')].map(f => Math.round(f.getBoundingClientRect().x))"
+    expect(page.locator(".figure.camera")).to_contain_text("30.0 Hz")
+    before = page.evaluate(boxes)
+    service.scene.condition.camera_rate_hz = 8.25
+    service.scene.clients = 3
+    expect(page.locator(".figure.camera")).to_contain_text("8.3 Hz")
+    expect(page.locator(".figure.clients")).to_contain_text("3 / 0")
+    assert page.evaluate(boxes) == before
+    context.close()
 
 
 def test_a_service_that_says_nothing_is_seen_on_every_page_within_a_second(

@@ -54,9 +54,10 @@ class TickingClock:
 def said(
     image: Bytes, settings: Settings = SETTINGS, *, deadline: Instant | None = None, clock: Clock | None = None
 ) -> tuple[str, ...]:
+    """Texts of the reasons."""
     perception = Perception(settings, CameraSetup.from_settings(settings))
     seen = perception.perceive(ImageFrame("main", 1, Instant(0), image), ManualClock()).record()
-    return reasons_of(perception, seen, deadline=deadline, clock=clock)
+    return tuple(reason.text for reason in reasons_of(perception, seen, deadline=deadline, clock=clock))
 
 
 def changed(**options: Any) -> Settings:
@@ -122,12 +123,12 @@ def test_what_is_found_by_the_deadline_is_said(image: Bytes) -> None:
     venue = changed(robots__pattern="mirosot-tile", colors__classes=CLASSES | {"pale": []})
     whole = said(image, venue)
     assert any("ssl-standard" in reason for reason in whole)
-    assert CUT_SHORT not in whole
+    assert CUT_SHORT.text not in whole
     clock = TickingClock()
     *found, last = said(image, venue, deadline=Instant(7), clock=clock)
     assert found == [reason for reason in whole if "ssl-standard" not in reason]
     assert found
-    assert last == CUT_SHORT
+    assert last == CUT_SHORT.text
     assert clock.readings == 7
-    assert said(image, venue, deadline=Instant(1), clock=TickingClock()) == (CUT_SHORT,)
+    assert said(image, venue, deadline=Instant(1), clock=TickingClock()) == (CUT_SHORT.text,)
     assert said(image, venue, deadline=Instant(10_000), clock=TickingClock()) == whole

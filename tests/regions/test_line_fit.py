@@ -47,7 +47,7 @@ def test_a_point_15_px_off_is_reported_at_its_corner(
     pixels[corner] += shift_px
     field = msgspec.structs.replace(FIELD, line_width_m=FIELD.line_width_m if thickness_px > 1 else 0.004)
     (reason,) = shift_reasons(drawn(thickness_px), field, camera(pixels))
-    assert f"most at the field's {NAMES[corner]} corner" in reason
+    assert f"most at the field's {NAMES[corner]} corner" in reason.text
 
 
 def test_without_lines_nothing_is_said() -> None:

@@ -39,10 +39,10 @@ def test_the_right_field_matches(settings: Settings, image: Bytes) -> None:
 def test_another_field_does_not(settings: Settings, image: Bytes) -> None:
     shorter = msgspec.structs.replace(settings.field, length_m=2.2, width_m=1.8)
     (reason,) = line_reasons(image, shorter, CameraSetup.from_settings(settings).model)
-    assert reason.startswith("only ")
+    assert reason.text.startswith("only ")
     larger = load_settings(options={"field_preset": "ssl-division-b"}).field
     (reason,) = line_reasons(image, larger, CameraSetup.from_settings(settings).model)
-    assert "outside of the picture" in reason
+    assert "outside of the picture" in reason.text
 
 
 def test_a_field_without_lines_is_not_judged(settings: Settings, image: Bytes) -> None:

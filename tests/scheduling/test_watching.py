@@ -134,6 +134,6 @@ def test_dimmer_light_shows_in_exposure_and_gains(image: Bytes) -> None:
 def test_darkness_is_told_with_its_reason(image: Bytes) -> None:
     black = np.zeros_like(image)
     (reason,) = found(exposure, WATCHERS[2][1], black).reasons
-    assert "black" in reason
+    assert "black" in reason.text
     drift = found(colors, WATCHERS[3][1], black)
     assert (drift.gain_bgr, "too dark" in drift.reason) == ((1.0, 1.0, 1.0), True)

@@ -7,6 +7,7 @@ import msgspec
 import pytest
 
 from vision_core.clock import Instant
+from vision_core.types.reasons import Reason
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 
 FOUND: list[tuple[Any, Any]] = [
@@ -14,7 +15,7 @@ FOUND: list[tuple[Any, Any]] = [
     (Finding[FieldBoundary], FieldBoundary((), (), 0.0, None, None)),
     (Finding[LineCheck], LineCheck(12, 7, 0.75, 0.25, 0.0)),
     (Finding[LineCheck], LineCheck(0, 0, None, None, 1.0)),
-    (Finding[ExposureCheck], ExposureCheck(230.0, 80.5, 0.01, ("over-exposed",))),
+    (Finding[ExposureCheck], ExposureCheck(230.0, 80.5, 0.01, (Reason("over-exposed", "Close the lens."),))),
     (Finding[ExposureCheck], ExposureCheck(None, None, None, ())),
     (Finding[ColorDrift], ColorDrift((0.5, 1.0, 2.0), "")),
 ]

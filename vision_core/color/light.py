@@ -21,6 +21,7 @@ from vision_core.models.field import accepted_half_extent
 from vision_core.native.kernels import kernel, read_only
 from vision_core.settings.schema import FieldSettings, LightSettings, Settings
 from vision_core.types.colors import Levels, Light
+from vision_core.types.reasons import Reason
 
 PixelPlaces = NDArray[np.int32]
 """x, y, shape (n, 2)."""
@@ -88,21 +89,23 @@ def light_of(pixels: Bytes, samples: PixelPlaces, settings: LightSettings) -> Li
     """
     black = settings.black_bgr
     if len(samples) < MIN_SAMPLES:
-        return _unknown(black, f"only {len(samples)} of {SAMPLES_PER_SIDE**2} samples of the field lie in the picture")
+        few = f"only {len(samples)} of {SAMPLES_PER_SIDE**2} samples of the field lie in the picture"
+        return _unknown(black, few, "Correct the camera's position or the field's measures.")
     found, saturated = reference_of(pixels, samples, settings.band)
     signal = [level - dark for level, dark in zip(found, black, strict=True)]
     if saturated > MAX_SATURATED:
-        return _unknown(black, f"over-exposed: {saturated:.0%} of the samples of the field are saturated")
+        bright = f"over-exposed: {saturated:.0%} of the samples of the field are saturated"
+        return _unknown(black, bright, "Close the lens, or lower the camera's exposure or gain.")
     if min(signal) < MIN_SIGNAL:
-        return _unknown(black, f"too dark: the samples of the field are {min(signal):.1f} grey levels above black")
+        dark = f"too dark: the samples of the field are {min(signal):.1f} grey levels above black"
+        return _unknown(black, dark, "Switch on more lamps, open the lens, or let the camera expose longer.")
     blue, green, red = (wanted / level for wanted, level in zip(settings.reference_bgr, signal, strict=True))
     if not settings.white_balance:
         blue = green = red = (blue * green * red) ** (1.0 / 3.0)
     if not 1.0 / MAX_GAIN <= min(blue, green, red) <= max(blue, green, red) <= MAX_GAIN:
         gains = f"{blue:.2f} {green:.2f} {red:.2f}"
-        return _unknown(
-            black, f"it needs the gains {gains} (accepted: {1.0 / MAX_GAIN:g} to {MAX_GAIN:g}); check colors.light"
-        )
+        needed = f"it needs the gains {gains} (accepted: {1.0 / MAX_GAIN:g} to {MAX_GAIN:g})"
+        return _unknown(black, needed, "Measure colors.light again with `pslv colors light`.")
     return Light(black, (blue, green, red))
 
 
@@ -181,8 +184,8 @@ def settled(last: Light, now: Light, *, fresh: bool) -> Light:
     return now if last.reason or moved > MIN_GAIN_CHANGE else last
 
 
-def _unknown(black: Levels, reason: str) -> Light:
-    return Light(black, (1.0, 1.0, 1.0), f"light: {reason}")
+def _unknown(black: Levels, why: str, advice: str) -> Light:
+    return Light(black, (1.0, 1.0, 1.0), Reason(f"light: {why}", advice))
 
 
 @kernel

@@ -56,7 +56,7 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
         "robots": list(seen.robots),
         "balls": list(seen.balls),
         "obstacles": list(obstacles),
-        "reasons": list(reasons_of(perception, seen)),
+        "reasons": [str(reason) for reason in reasons_of(perception, seen)],
     }
     table: dict[str, object] = msgspec.to_builtins(parts)
     return table

@@ -19,10 +19,13 @@ from vision_core.regions.exposure import exposure_reasons, field_pixels
 from vision_core.regions.line_fit import shift_reasons
 from vision_core.regions.lines import line_reasons
 from vision_core.types.objects import Sightings
+from vision_core.types.reasons import Reason
 from vision_core.types.tables import SightingsTable, Table
 
-OVERFLOW = "too many blobs: parts of the picture were not searched; narrow the color classes or raise blobs.max_runs"
-CUT_SHORT = "the search for reasons was cut short: there may be more"
+OVERFLOW = Reason(
+    "too many blobs: parts of the picture were not searched", "Narrow the color classes, or raise blobs.max_runs."
+)
+CUT_SHORT = Reason("the search for reasons was cut short: there may be more", "Mend what is listed first.")
 
 
 class _Budget:
@@ -39,7 +42,7 @@ class _Budget:
 
 def reasons_of(
     perception: Perception, seen: Sightings, *, deadline: Instant | None = None, clock: Clock | None = None
-) -> tuple[str, ...]:
+) -> tuple[Reason, ...]:
     """What explains the sightings of the frame that was perceived last; empty when nothing is wrong.
 
     Cheap reasons come first, the search among other patterns and sizes of markers last. Between two steps the clock
@@ -50,7 +53,7 @@ def reasons_of(
     if exposure:  # nothing else can be judged in such a picture
         return exposure
     budget = _Budget(clock or MonotonicClock(), deadline)
-    steps: tuple[Callable[[], Iterable[str]], ...] = (
+    steps: tuple[Callable[[], Iterable[Reason]], ...] = (
         lambda: (perception.lighting.light.reason,) if perception.lighting.light.reason else (),
         lambda: () if seen.complete else (OVERFLOW,),
         lambda: () if seen.robots and seen.balls else color_conflicts(perception),
@@ -65,14 +68,14 @@ def reasons_of(
     return (*reasons, CUT_SHORT) if budget.was_exceeded else tuple(reasons)
 
 
-def _until_over(steps: Iterable[Callable[[], Iterable[str]]], budget: _Budget) -> Iterator[str]:
+def _until_over(steps: Iterable[Callable[[], Iterable[Reason]]], budget: _Budget) -> Iterator[Reason]:
     for step in steps:
         if budget.is_over():
             return
         yield from step()
 
 
-def _ball_reasons(perception: Perception, seen: Sightings) -> tuple[str, ...]:
+def _ball_reasons(perception: Perception, seen: Sightings) -> tuple[Reason, ...]:
     """Why no blob is the ball."""
     context, table = perception.context, SightingsTable.of(seen)
     observation = Observation(
@@ -102,9 +105,12 @@ def scene_of(perception: Perception) -> Scene:
     return Scene(observation, perception.table, lambda finder: search(finder)[1])
 
 
-def color_conflicts(perception: Perception) -> tuple[str, ...]:
+def color_conflicts(perception: Perception) -> tuple[Reason, ...]:
     """Color classes that contain the same colors."""
     return tuple(
-        f"color classes {first} and {other} claim {count} of the same colors; {first}, listed first, has them"
+        Reason(
+            f"color classes {first} and {other} claim {count} of the same colors; {first}, listed first, has them",
+            f"Narrow one of the two: `pslv colors show` shows what is {first} and what is {other}.",
+        )
         for first, other, count in perception.table.disputed
     )

@@ -7,6 +7,7 @@ from vision_core.models.camera import CameraModel
 from vision_core.models.field import accepted_half_extent
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.colors import LUMA_BGR
+from vision_core.types.reasons import Reason
 from vision_core.types.regions import ExposureCheck
 
 POINTS = 60
@@ -22,7 +23,10 @@ SATURATED = 250
 """From this level on a channel is saturated."""
 MAX_TWO_SATURATED, MAX_ONE_SATURATED = 0.15, 0.4
 """Share of the field in which two channels may be saturated, and one."""
-NOTHING = "the picture shows no part of the field: the camera position or the field measures are wrong"
+NOTHING = Reason(
+    "the picture shows no part of the field: the camera position or the field measures are wrong",
+    "Correct the camera's position and the field's measures in the venue's file.",
+)
 
 
 def field_pixels(field: FieldSettings, camera: CameraModel, size_px: tuple[int, int]) -> Floats:
@@ -36,7 +40,7 @@ def field_pixels(field: FieldSettings, camera: CameraModel, size_px: tuple[int, 
 
 
 def exposure_check(pixels: Bytes, points_px: Floats) -> ExposureCheck:
-    """How well the field is lit in a picture, in numbers and in sentences.
+    """How well the field is lit in a picture, in numbers and in words.
 
     pixels: shape (height, width, 3), blue green red; points_px: of ``field_pixels``.
     """
@@ -54,23 +58,23 @@ def exposure_check(pixels: Bytes, points_px: Floats) -> ExposureCheck:
     )
 
 
-def exposure_reasons(pixels: Bytes, points_px: Floats) -> tuple[str, ...]:
-    """What is wrong with a picture's light, in sentences; the arguments of ``exposure_check``."""
+def exposure_reasons(pixels: Bytes, points_px: Floats) -> tuple[Reason, ...]:
+    """What is wrong with a picture's light; the arguments of ``exposure_check``."""
     return exposure_check(pixels, points_px).reasons
 
 
-def _reasons(brightest: float, deviation: float, two: float, one: float) -> tuple[str, ...]:
-    """What is wrong, in sentences. two, one: share of the field in which so many channels are saturated."""
+def _reasons(brightest: float, deviation: float, two: float, one: float) -> tuple[Reason, ...]:
+    """What is wrong. two, one: share of the field in which so many channels are saturated."""
     if brightest < BLACK:
-        return (
-            f"the picture is black: nothing on the field is brighter than {brightest:.0f} of 255 (lens cap, lamps?)",
-        )
+        black = f"the picture is black: nothing on the field is brighter than {brightest:.0f} of 255"
+        return (Reason(black, "Take off the lens cap, switch on the lamps, or open the lens."),)
     if deviation < MIN_DEVIATION:
-        return ("the picture shows nothing: all pixels of the field have the same color",)
+        blank = "the picture shows nothing: all pixels of the field have the same color"
+        return (Reason(blank, "Check the lens cap, the camera's cable and the source."),)
     if brightest < DARK:
-        return (f"too dark: nothing on the field is brighter than {brightest:.0f} of 255 (lamps, exposure?)",)
+        dark = f"too dark: nothing on the field is brighter than {brightest:.0f} of 255"
+        return (Reason(dark, "Switch on more lamps, open the lens, or let the camera expose longer."),)
     if two > MAX_TWO_SATURATED or one > MAX_ONE_SATURATED:
-        return (
-            f"over-exposed: {one:.0%} of the field is saturated, as bright as the camera can measure (exposure, gain?)",
-        )
+        bright = f"over-exposed: {one:.0%} of the field is saturated, as bright as the camera can measure"
+        return (Reason(bright, "Close the lens, or lower the camera's exposure or gain."),)
     return ()

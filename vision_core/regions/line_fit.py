@@ -15,6 +15,7 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel
 from vision_core.models.field import painted_points
 from vision_core.settings.schema import FieldSettings
+from vision_core.types.reasons import Reason
 
 POINTS_PER_LINE, POINTS_PER_SECTION = 60, 15
 MIN_POINTS = 12
@@ -78,8 +79,8 @@ def corner_shifts(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> d
     return found
 
 
-def shift_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tuple[str, ...]:
-    """Why the calibration seems to be wrong, by where the lines lie, in a sentence; () when they are in order."""
+def shift_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tuple[Reason, ...]:
+    """Why the calibration seems to be wrong, by where the lines lie; () when they are in order."""
     shifts = corner_shifts(pixels, field, camera)
     if not shifts:
         return ()
@@ -87,7 +88,8 @@ def shift_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> t
     if shifts[name] <= max(MAX_SHIFT_PX, MAX_SHIFT * pixels.shape[0]):
         return ()
     where = f"the painted lines lie up to {shifts[name]:.0f} px beside their places, most at the field's {name} corner"
-    return (f"{where}: a named point, the camera's pose or the field's measures are wrong",)
+    text = f"{where}: a named point, the camera's pose or the field's measures are wrong"
+    return (Reason(text, "Calibrate the camera anew, beginning with the point at this corner."),)
 
 
 def _sections(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Iterator[_Section]:

@@ -10,6 +10,7 @@ from vision_core.models.camera import CameraModel
 from vision_core.models.field import painted_points
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.colors import LUMA_BGR
+from vision_core.types.reasons import Reason
 from vision_core.types.regions import LineCheck
 
 POINTS_PER_LINE = 60
@@ -81,17 +82,18 @@ def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Line
     )
 
 
-def line_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tuple[str, ...]:
-    """Why the painted lines of the field do not match an image, in sentences; () where none is painted."""
+def line_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tuple[Reason, ...]:
+    """Why the painted lines of the field do not match an image; () where none is painted."""
     check = line_check(pixels, field, camera)
     if check.outside > MAX_OUTSIDE:
         where = f"{check.outside:.0%} of the lines of field {field.name!r} lie outside of the picture"
-        return (f"{where}: the field preset or the camera position is wrong",)
+        advice = "Choose the field preset of this field, or correct the camera's position."
+        return (Reason(f"{where}: the field preset or the camera position is wrong", advice),)
     if check.found >= MIN_FOUND * check.known:
         return ()
     where = f"only {check.found} of {check.known} painted lines are where field {field.name!r} has them"
-    hint = "a field without painted lines has line_width_m = 0"
-    return (f"{where}: the field preset or the camera position is wrong ({hint})",)
+    advice = "Choose the preset of this field, or calibrate the camera; without painted lines set line_width_m = 0."
+    return (Reason(f"{where}: the field preset or the camera position is wrong", advice),)
 
 
 def _inside(points: Floats, shape: tuple[int, ...]) -> Mask:

@@ -15,6 +15,6 @@ def start(handle: Handle) -> Step:
 
     def look(pixels: Bytes) -> ColorDrift:
         seen = light_of(pixels, samples, light)
-        return ColorDrift(seen.gain_bgr, seen.reason)
+        return ColorDrift(seen.gain_bgr, str(seen.reason or ""))
 
     return watching(handle, records.colors(camera.name), look)

@@ -6,6 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vision_core.geometry import Bytes, frozen
+from vision_core.types.reasons import Reason
 
 Levels: TypeAlias = tuple[float, float, float]
 """Blue, green, red in grey levels, or a factor for each of them."""
@@ -42,8 +43,8 @@ class Light:
     """What the sensor delivers in the dark [grey levels]."""
     gain_bgr: Levels
     """1 for each channel where the light could not be measured."""
-    reason: str = ""
-    """Why it could not be measured; empty when it could."""
+    reason: Reason | None = None
+    """Why it could not be measured; None when it could."""
 
     @property
     def neutral(self) -> bool:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from vision_core.clock import Instant
+from vision_core.types.reasons import Reason
 
 
 class Team(StrEnum):
@@ -76,7 +77,7 @@ class Diagnosis:
     camera: str
     frame_number: int
     grabbed: Instant
-    reasons: tuple[str, ...]
+    reasons: tuple[Reason, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from typing import Generic, TypeVar
 
 from vision_core.clock import Instant
 from vision_core.types.colors import Levels
+from vision_core.types.reasons import Reason
 
 T = TypeVar("T")
 
@@ -59,8 +60,8 @@ class ExposureCheck:
     median_luma: float | None
     white: float | None
     """Share of the field in which a channel is saturated."""
-    reasons: tuple[str, ...]
-    """What is wrong, in sentences."""
+    reasons: tuple[Reason, ...]
+    """What is wrong."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.web.health.degradation import Degradation
+from app.web.health.cause import Cause
 from vision_core.clock import Instant, seconds_between
 
 RELEASE_S = 3.0
@@ -18,7 +18,7 @@ class _Episode:
     since: Instant
     last: Instant
     """The newest snapshot in which it was present."""
-    newest: Degradation
+    newest: Cause
 
 
 class Hysteresis:
@@ -27,7 +27,7 @@ class Hysteresis:
     def __init__(self) -> None:
         self._episodes: dict[str, _Episode] = {}
 
-    def filtered(self, present: Iterable[Degradation], now: Instant) -> tuple[Degradation, ...]:
+    def filtered(self, present: Iterable[Cause], now: Instant) -> tuple[Cause, ...]:
         """The causes to report: those of the snapshot taken at ``now`` in their order, then those not yet released."""
         before = {key: episode for key, episode in self._episodes.items() if _is_current(episode, now)}
         self._episodes = {}

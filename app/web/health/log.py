@@ -43,7 +43,7 @@ class HealthLog:
 
 def line_of(health: Health) -> str:
     """The state and its causes in one line."""
-    causes = "; ".join(health.reasons or health.sentences)
+    causes = "; ".join(cause.sentence for cause in health.reasons or health.degradations)
     return f"{IN_WORDS[health.state]}: {causes}" if causes else IN_WORDS[health.state]
 
 

@@ -1,10 +1,10 @@
-"""Degradation by processes that do not run and by tasks that are switched off."""
+"""Causes of worse service: processes that do not run, and tasks that are switched off."""
 
 from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
-from app.web.health.degradation import Degradation
-from app.web.health.readiness import COMPILER, needed_processes, process_of, process_state
+from app.web.health.cause import Cause, Subject
+from app.web.health.readiness import COMPILER, needed_processes, process_advice, process_of, process_state
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.process_state import ProcessState
@@ -14,7 +14,7 @@ RESTART_HOLD_S = 1.0
 crashes again before ``hysteresis.RELEASE_S`` has passed, is worth a message."""
 
 
-def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """Processes that are disabled or crash again and again, beside those without which nothing is served."""
     ignored = needed_processes(snapshot) | {COMPILER}
     report = snapshot.of(records.PROCESSES)
@@ -25,11 +25,13 @@ def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
             tasks = _tasks_of(process.name, snapshot)
             without = f" ({', '.join(tasks)})" if tasks not in ((), (process.name,)) else ""
             key = f"process {process.name} {'crashing' if hold_s else 'disabled'}"
-            yield Degradation(key, text, f"{process_state(process)}{without}", hold_s)
+            detail = f"{process_state(process)}{without}"
+            yield Cause(key, Subject.SERVICE, text, process_advice(process), detail, hold_s)
     for name, timed in snapshot.tasks.items():
         task = snapshot.task(name)
         if not task.on_frame_path and not timed.value.times.enabled and task.times.enabled:
-            yield Degradation(f"task {name} off", f"task {name} is switched off")
+            advice = f"Switch {name} on again on the timing page, when it is needed."
+            yield Cause(f"task {name} off", Subject.SERVICE, f"task {name} is switched off", advice)
 
 
 def _is_crashing(process: ProcessInfo) -> bool:

@@ -1,9 +1,9 @@
-"""Degradation by rates and lags: fewer pictures than configured, tasks that skip pictures, views that are late."""
+"""Slow causes of worse service: fewer pictures than configured, tasks that skip pictures, views that are late."""
 
 from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
-from app.web.health.degradation import Degradation
+from app.web.health.cause import Cause, Subject
 from app.web.health.frame_path import frame_path
 from vision_core.clock import MS_PER_S
 from vision_core.rtdb import records
@@ -24,14 +24,14 @@ LAG_HOLD_S = 3.0
 """One slow half second, as when a process is replaced, is no degradation."""
 
 
-def rate_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def rate_degradations(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """Everything that makes views rarer or later than the source's pictures allow."""
     yield from _slow_source(snapshot)
     yield from _rates(snapshot)
     yield from _lag(snapshot)
 
 
-def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """A source whose pictures are farther apart than robots are remembered."""
     validity_s = snapshot.service.settings.tracks.validity_ms / MS_PER_S
     source = snapshot.of(records.source)
@@ -39,10 +39,11 @@ def _slow_source(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
     if rate_hz * validity_s < 1.0:
         delivers = f"the source delivers a picture every {1.0 / rate_hz:.3g} s"
         forgotten = f"robots are forgotten after {validity_s:g} s between two pictures"
-        yield Degradation("slow source", f"{delivers}: {forgotten}")
+        advice = "Choose a source of a higher rate, or raise tracks.validity_ms on the settings page."
+        yield Cause("slow source", Subject.CAMERA, f"{delivers}: {forgotten}", advice)
 
 
-def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def _rates(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """The first task of the frame's path that runs too rarely: later ones run rarely because of it."""
     expected_hz = _expected_hz(snapshot)
     camera, *following = frame_path(snapshot)
@@ -51,13 +52,16 @@ def _rates(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
         return
     if _is_below(measured_hz, expected_hz):
         delivers = f"the camera delivers {measured_hz:.1f} of {expected_hz:g} pictures a second"
-        yield Degradation("camera rate", delivers, hold_s=RATE_HOLD_S)
+        advice = "Give the camera more light and a fast USB port of its own, or set camera.rate_hz to what it delivers."
+        yield Cause("camera rate", Subject.CAMERA, delivers, advice, hold_s=RATE_HOLD_S)
     for task in following:
         wanted_hz = task.rate_hz(measured_hz)
         rate_hz = _rate_hz(snapshot, task)
         if rate_hz is not None and _is_below(rate_hz, wanted_hz):
             used = f"only {rate_hz:.1f} of {wanted_hz:.1f} pictures a second reach the robots"
-            yield Degradation("task rate", used, f"task {task.name} runs too rarely", RATE_HOLD_S)
+            advice = "Close other programs on this computer, or let the watchers run less often on the timing page."
+            detail = f"task {task.name} runs too rarely"
+            yield Cause("task rate", Subject.LAG, used, advice, detail, RATE_HOLD_S)
             return
 
 
@@ -81,7 +85,7 @@ def _rate_hz(snapshot: ServiceSnapshot, task: Task) -> float | None:
     return timed.value.rate_hz if timed and timed.valid else None
 
 
-def _lag(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def _lag(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """The tasks after the camera's follow each other, so their response times add up."""
     following = frame_path(snapshot)[1:]
     reports = [timed for task in following if (timed := snapshot.tasks.get(task.name)) and timed.valid]
@@ -90,4 +94,5 @@ def _lag(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
         text = (
             f"views are sent {lag_s * MS_PER_S:.0f} ms after their picture, at most {MAX_LAG_S * MS_PER_S:.0f} are good"
         )
-        yield Degradation("lag", text, "perception and serving take too long", LAG_HOLD_S)
+        advice = "Close other programs on this computer, or let the watchers run less often on the timing page."
+        yield Cause("lag", Subject.LAG, text, advice, "perception and serving take too long", LAG_HOLD_S)

@@ -5,6 +5,7 @@ because everything after it follows from it.
 """
 
 from app.web.blackboard import ServiceSnapshot
+from app.web.health.cause import Cause, Subject
 from app.web.health.frame_path import camera_task, frame_path, image_tasks
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
@@ -20,20 +21,24 @@ MAX_SLOWED_PATIENCE_S = 1.0
 change with every image; a camera that has failed is reported by then."""
 
 
-def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+IT_STARTS_AGAIN = "Wait a few seconds; if it stays so, read the log and start the service again."
+CHECK_CAMERA = "Check the camera's cable and power, and source.uri on the settings page."
+
+
+def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[Cause, ...]:
     """Why no robot can be served right now; empty when robots are served."""
     report = snapshot.of(records.PROCESSES)
     if report is None:
-        return ("the supervisor has not reported yet",)
+        return (_cause("supervisor", "the supervisor has not reported yet", IT_STARTS_AGAIN),)
     if not report.valid:
-        return (f"the supervisor has not reported for {report.age_s:.1f} s",)
+        return (_cause("supervisor", f"the supervisor has not reported for {report.age_s:.1f} s", IT_STARTS_AGAIN),)
     processes = report.value.processes
     for process in processes:
         if process.name == COMPILER and process.state is not ProcessState.DONE:
             return (_compiling(process),)
     needed = needed_processes(snapshot)
     broken = [
-        process_state(process)
+        _cause(f"process {process.name}", process_state(process), process_advice(process))
         for process in processes
         if process.name in needed and process.state is not ProcessState.RUNNING
     ]
@@ -69,38 +74,56 @@ def process_state(process: ProcessInfo) -> str:
     return f"process {process.name} is {process.state}{detail}"
 
 
-def _switched_off(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+def process_advice(process: ProcessInfo) -> str:
+    """What to do about a process that does not run."""
+    if process.state is ProcessState.DISABLED:
+        return f"Read its last words on the timing page and in the log, then run `pslv restart {process.name}`."
+    if process.state is ProcessState.RESTARTING or process.restarts:
+        return "Wait: it is started again; if it keeps ending, read its last words on the timing page and in the log."
+    return "Wait until it has started; if it does not, read the log."
+
+
+def _cause(key: str, text: str, advice: str, about: Subject = Subject.SERVICE) -> Cause:
+    """A reason why no robot is served."""
+    return Cause(f"not ready: {key}", about, text, advice)
+
+
+def _switched_off(snapshot: ServiceSnapshot) -> tuple[Cause, ...]:
     needed = [task.name for task in snapshot.service.tasks if task.on_frame_path]
     off = (name for name in needed if name in snapshot.tasks and not snapshot.tasks[name].value.times.enabled)
-    return tuple(f"task {task} is switched off" for task in off)
-
-
-def _compiling(process: ProcessInfo) -> str:
-    detail = f": {process.detail}" if process.detail else ""
-    return (
-        f"compiling failed{detail}"
-        if process.state in (ProcessState.DISABLED, ProcessState.STOPPED)
-        else f"compiling{detail}"
+    return tuple(
+        _cause(f"task {task} off", f"task {task} is switched off", f"Switch {task} on again on the timing page.")
+        for task in off
     )
 
 
-def _silence(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+def _compiling(process: ProcessInfo) -> Cause:
+    detail = f": {process.detail}" if process.detail else ""
+    if process.state in (ProcessState.DISABLED, ProcessState.STOPPED):
+        advice = "Read the compiler's error in the log, then start the service again."
+        return _cause("compiling failed", f"compiling failed{detail}", advice)
+    return _cause("compiling", f"compiling{detail}", "Wait: a first start compiles for about a minute.")
+
+
+def _silence(snapshot: ServiceSnapshot) -> tuple[Cause, ...]:
     """The first link of the chain that delivers nothing although every process runs."""
     patience_s = _patience_s(snapshot)
     _, perceive, serve = frame_path(snapshot)
+    note = _note(snapshot, *image_tasks(snapshot))
     if snapshot.frame is None:
-        return (f"no image yet{_note(snapshot, *image_tasks(snapshot))}",)
+        return (_cause("no image", f"no image yet{note}", CHECK_CAMERA, Subject.CAMERA),)
     if snapshot.frame.age_s > patience_s:
-        return (f"the camera's image is {snapshot.frame.age_s:.1f} s old{_note(snapshot, *image_tasks(snapshot))}",)
+        old = f"the camera's image is {snapshot.frame.age_s:.1f} s old{note}"
+        return (_cause("no image", old, CHECK_CAMERA, Subject.CAMERA),)
     sightings, serving = snapshot.of(records.sightings), snapshot.of(records.SERVING)
-    if sightings is None:
-        return (f"no image has been analyzed yet{_note(snapshot, perceive)}",)
-    if sightings.age_s > patience_s + MIN_PATIENCE_S:
-        return (f"no image has been analyzed for {sightings.age_s:.1f} s{_note(snapshot, perceive)}",)
-    if serving is None:
-        return (f"clients are not served yet{_note(snapshot, serve)}",)
-    if not serving.valid:
-        return (f"clients have not been served for {serving.age_s:.1f} s{_note(snapshot, serve)}",)
+    if sightings is None or sightings.age_s > patience_s + MIN_PATIENCE_S:
+        since = "yet" if sightings is None else f"for {sightings.age_s:.1f} s"
+        text = f"no image has been analyzed {since}{_note(snapshot, perceive)}"
+        return (_cause("not analyzed", text, IT_STARTS_AGAIN, Subject.LAG),)
+    if serving is None or not serving.valid:
+        since = "are not served yet" if serving is None else f"have not been served for {serving.age_s:.1f} s"
+        text = f"clients {since}{_note(snapshot, serve)}"
+        return (_cause("not served", text, IT_STARTS_AGAIN, Subject.LAG),)
     return ()
 
 

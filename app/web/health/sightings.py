@@ -1,9 +1,9 @@
-"""Degradation by what the pictures show: no robot, bad light, a camera that was moved."""
+"""Causes of worse service that the pictures show: no robot, bad light, a camera that was moved."""
 
 from collections.abc import Iterator
 
 from app.web.blackboard import ServiceSnapshot
-from app.web.health.degradation import Degradation
+from app.web.health.cause import Cause, Subject
 from vision_core.rtdb import records
 
 NO_ROBOT_HOLD_S = 5.0
@@ -22,28 +22,31 @@ MIN_BOUNDARY_FOUND = 0.5
 """Share of the boundary that must be seen to judge by it."""
 
 
-def sighting_degradations(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def sighting_degradations(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """What the newest sightings and checks of the picture report."""
     yield from _no_robot(snapshot)
     light = list(_light(snapshot))
     yield from light or _moved(snapshot)  # in bad light no line is found where it is
 
 
-def _no_robot(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def _no_robot(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """Every venue expects robots: a match has at least one number a team."""
     sightings, diagnosis = snapshot.of(records.sightings), snapshot.recent(records.diagnosis)
     if sightings and not sightings.value.robots:
         explained = diagnosis.value.reasons if diagnosis else ()
-        yield Degradation("no robot", "no robot is seen", "; ".join(explained[:1]), NO_ROBOT_HOLD_S)
+        why, advice = "", "Put robots on the field; if there are some, see what the camera page shows of them."
+        if explained:
+            why, advice = explained[0].text, explained[0].advice
+        yield Cause("no robot", Subject.CAMERA, "no robot is seen", advice, why, NO_ROBOT_HOLD_S)
 
 
-def _light(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def _light(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     exposure = snapshot.recent(records.exposure)
     for reason in exposure.value.found.reasons if exposure else ():
-        yield Degradation("light", reason, hold_s=LIGHT_HOLD_S)
+        yield Cause("light", Subject.CAMERA, reason.text, reason.advice, hold_s=LIGHT_HOLD_S)
 
 
-def _moved(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
+def _moved(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """Painted lines, or where none can be judged the carpet's boundary, are not where the venue has them."""
     line_check, boundary_check = snapshot.recent(records.lines), snapshot.recent(records.boundary)
     lines = line_check.value.found if line_check else None
@@ -58,7 +61,7 @@ def _moved(snapshot: ServiceSnapshot) -> Iterator[Degradation]:
         yield _camera_moved(f"the carpet ends {boundary.off_px:.1f} px from where the venue has its end")
 
 
-def _camera_moved(evidence: str) -> Degradation:
-    return Degradation(
-        "camera moved", "the camera was moved, or the venue does not fit the field", evidence, MOVED_HOLD_S
-    )
+def _camera_moved(evidence: str) -> Cause:
+    text = "the camera was moved, or the venue does not fit the field"
+    advice = "Put the camera back or calibrate it anew; on another field choose its venue."
+    return Cause("camera moved", Subject.CAMERA, text, advice, evidence, MOVED_HOLD_S)

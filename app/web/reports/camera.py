@@ -29,7 +29,8 @@ class CameraReport(Checks):
     obstacles: int
     """Objects of robot size that are no known robot and no ball; 0 while nothing looks for them."""
     reasons: list[str]
-    """Why nothing, or too little, is detected, a sentence each; renewed about once a second, kept for 5 s at most."""
+    """Why nothing, or too little, is detected, and what to do, a line each; renewed about once a second, kept for
+    5 s at most."""
 
 
 def camera_from(snapshot: ServiceSnapshot) -> CameraReport:
@@ -50,6 +51,6 @@ def camera_from(snapshot: ServiceSnapshot) -> CameraReport:
         robots=len(sightings.value.robots) if sightings else 0,
         balls=len(sightings.value.balls) if sightings else 0,
         obstacles=len(obstacles.value.obstacles) if obstacles else 0,
-        reasons=list(diagnosis.value.reasons) if diagnosis else [],
+        reasons=[str(reason) for reason in diagnosis.value.reasons] if diagnosis else [],
         **dict(checks_from(snapshot)),
     )

@@ -56,7 +56,7 @@ class ExposureReport(Check):
     white: float | None
     """Share of the field in which a channel is saturated."""
     reasons: list[str]
-    """What is wrong with the light, a sentence each; empty when nothing is."""
+    """What is wrong with the light, and what to do, a line each; empty when nothing is."""
 
 
 class ColorsReport(Check):
@@ -117,7 +117,7 @@ def _exposure(timed: Timed[Finding[ExposureCheck]] | None) -> ExposureReport | N
         brightest=seen.brightest,
         median_luma=seen.median_luma,
         white=seen.white,
-        reasons=list(seen.reasons),
+        reasons=[str(reason) for reason in seen.reasons],
     )
 
 

@@ -24,6 +24,8 @@ class Readiness(Report):
     """Why no robot is served; empty when ready is true."""
     degraded: list[str]
     """What is worse than it should be, one sentence for each cause."""
+    advice: list[str]
+    """What to do about each of ``reasons``, then about each of ``degraded``."""
 
 
 def health_routes(blackboard: Blackboard, monitor: HealthMonitor) -> APIRouter:
@@ -42,7 +44,11 @@ def health_routes(blackboard: Blackboard, monitor: HealthMonitor) -> APIRouter:
         if not health.is_ready:
             response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
         return Readiness(
-            state=health.state, ready=health.is_ready, reasons=list(health.reasons), degraded=health.sentences
+            state=health.state,
+            ready=health.is_ready,
+            reasons=[cause.sentence for cause in health.reasons],
+            degraded=[cause.sentence for cause in health.degradations],
+            advice=[cause.advice for cause in health.causes],
         )
 
     return router

@@ -21,6 +21,7 @@ from tests.conftest import ROOT
 from vision_core.clock import after
 from vision_core.rtdb import records
 from vision_core.types.objects import Diagnosis
+from vision_core.types.reasons import Reason
 
 READ = (
     "/healthz",
@@ -64,7 +65,7 @@ def test_healthz(http: httpx.Client) -> None:
 
 
 def test_ready(http: httpx.Client) -> None:
-    served = {"state": "ready", "ready": True, "reasons": [], "degraded": []}
+    served = {"state": "ready", "ready": True, "reasons": [], "degraded": [], "advice": []}
     wait_for(lambda: http.get("/readyz").json() == served)  # a loaded machine pauses the fake camera
 
 
@@ -84,6 +85,7 @@ def test_not_ready_while_compiling() -> None:
         "ready": False,
         "reasons": ["compiling: 3 of 7: label pixels"],
         "degraded": [],
+        "advice": ["Wait: a first start compiles for about a minute."],
     }
     assert status["ready"] is False
     assert status["source"] is None
@@ -155,12 +157,12 @@ def test_a_degraded_service_is_ready_and_says_so() -> None:
 def test_reasons_are_told_for_five_seconds() -> None:
     own = FakeService(STATES["explained"])
     own.write_frame()
-    assert status_of(own).cameras[0].reasons == list(own.scene.reasons)
+    assert status_of(own).cameras[0].reasons == [str(reason) for reason in own.scene.reasons]
     diagnosis = records.diagnosis("main")
     now = own.clock.now()
-    for age_s, told in ((4.0, ["one"]), (5.1, [])):
+    for age_s, told in ((4.0, ["one. Do it."]), (5.1, [])):
         grabbed = after(now, -age_s)
-        own.put(diagnosis, Diagnosis("main", 1, grabbed, ("one",)), grabbed)
+        own.put(diagnosis, Diagnosis("main", 1, grabbed, (Reason("one", "Do it."),)), grabbed)
         assert status_of(own).cameras[0].reasons == told
 
 

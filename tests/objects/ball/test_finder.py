@@ -55,7 +55,8 @@ def search(
     balls = np.zeros(room, dtype=BALL)
     seen = Observation(blobs, len(blobs), pixels, table.classes, camera_map_from(camera))
     count = find_balls(seen, robots, len(robots), finder, balls)
-    return balls[:count], explain_balls(seen, robots, len(robots), finder, "orange")
+    reasons = explain_balls(seen, robots, len(robots), finder, "orange")
+    return balls[:count], tuple(reason.text for reason in reasons)
 
 
 def found(

@@ -17,7 +17,7 @@ def picture(robots: float = 1.5) -> tuple[Picture, float, float]:
 
 
 def said(drawn: Picture, pattern: str = "ssl-standard", min_confidence: float = 0.3) -> str:
-    return "\n".join(explain_robots(scene_of(drawn), settings_of(pattern, min_confidence=min_confidence)))
+    return "\n".join(map(str, explain_robots(scene_of(drawn), settings_of(pattern, min_confidence=min_confidence))))
 
 
 def test_no_reason_when_every_robot_has_an_id() -> None:

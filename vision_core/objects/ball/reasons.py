@@ -1,4 +1,4 @@
-"""Why no ball is found, in sentences for people. Slow, and never on the hot path."""
+"""Why no ball is found, for people. Slow, and never on the hot path."""
 
 from collections import Counter
 
@@ -18,12 +18,13 @@ from vision_core.objects.ball.finder import (
     stopping_gate,
 )
 from vision_core.objects.observation import Observation
+from vision_core.types.reasons import Reason
 from vision_core.types.tables import Table
 
 
 def explain_balls(
     seen: Observation, robots: Table, robot_count: int, finder: BallFinder, color: str
-) -> tuple[str, ...]:  # fmt: skip
+) -> tuple[Reason, ...]:  # fmt: skip
     """How many blobs each gate of ``find_balls`` stopped, and the best of them with its numbers; () with a ball.
 
     Takes the arguments of ``find_balls``; color: name of the ball's class. The best blob is the one that passed the
@@ -31,7 +32,7 @@ def explain_balls(
     """
     blobs = [blob for blob in seen.blobs[: seen.blob_count] if blob["color"] == finder.color]
     if not blobs:
-        return (f"no ball: no {color} blob",)
+        return (Reason(f"no ball: no {color} blob", f"Lay a ball on the field, or widen color class {color}."),)
     candidates = [judged(blob, seen, robots, robot_count, finder) for blob in blobs]
     gates = [stopping_gate(candidate, finder) for candidate in candidates]
     if PASSED in gates:
@@ -40,9 +41,11 @@ def explain_balls(
     parts = [f"{stopped[gate]} {name}" for gate, name in enumerate(GATES) if stopped[gate]]
     best = max(range(len(blobs)), key=lambda row: (gates[row], candidates[row].confidence))
     place = f"({blobs[best]['x_px']:.0f}, {blobs[best]['y_px']:.0f}) px"
+    count = f"{len(blobs)} {color} {'blob' if len(blobs) == 1 else 'blobs'}"
+    numbers = f"the best candidate for the ball, at {place}, {_numbers(gates[best], candidates[best], finder)}"
     return (
-        f"no ball: {len(blobs)} {color} {'blob' if len(blobs) == 1 else 'blobs'}: {', '.join(parts)}",
-        f"the best candidate for the ball, at {place}, {_numbers(gates[best], candidates[best], finder)}",
+        Reason(f"no ball: {count}: {', '.join(parts)}", "Lay the ball where nothing of its color is near."),
+        Reason(numbers, f"If that is the ball, change the limit that stops it; if not, look for {color} that is none."),
     )
 
 

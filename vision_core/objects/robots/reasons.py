@@ -1,4 +1,4 @@
-"""Why robots are not found or not identified, in sentences for people. Slow, and never on the hot path."""
+"""Why robots are not found or not identified, for people. Slow, and never on the hot path."""
 
 import contextlib
 import math
@@ -22,6 +22,7 @@ from vision_core.objects.robots.pose_refinement import id_of
 from vision_core.patterns.loader import load_pattern, scaled
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.colors import ColorTable
+from vision_core.types.reasons import Reason
 from vision_core.types.tables import NO_ID, TEAMS, Table
 from vision_core.venues.loader import config_folder
 
@@ -56,8 +57,8 @@ class Scene:
         return self.seen.blobs
 
 
-def explain_robots(scene: Scene, settings: Settings, is_over: Callable[[], bool] = lambda: False) -> list[str]:
-    """Why there are no robots, or why some have no id; empty when every robot is identified. A few sentences.
+def explain_robots(scene: Scene, settings: Settings, is_over: Callable[[], bool] = lambda: False) -> list[Reason]:
+    """Why there are no robots, or why some have no id; empty when every robot is identified.
 
     is_over: called before each attempt with another pattern or size of markers; True ends the attempts.
     """
@@ -75,39 +76,43 @@ def explain_robots(scene: Scene, settings: Settings, is_over: Callable[[], bool]
     return reasons
 
 
-def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker, settings: Settings) -> str:
+def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker, settings: Settings) -> Reason:
     """What comes nearest to a robot of a team, and why it is rejected."""
     name, gates = TEAMS[marker.team], finder.gates
     blobs = np.flatnonzero(scene.blobs["color"] == marker.anchor_class)
     if not len(blobs):
-        return f"no {name} robot: no blob of color class {name}"
+        none = f"no {name} robot: no blob of color class {name}"
+        return Reason(none, f"Put a {name} robot on the field, or widen color class {name}.")
     ratios = _anchor_area_ratios(scene, finder, marker, blobs)
     accepted = (ratios >= gates.min_area) & (ratios <= gates.max_area)
     if not accepted.any():
         nearest = int(np.argmin(np.abs(np.log(np.maximum(ratios, 1e-9)))))
-        return (
+        return Reason(
             f"no {name} robot: {len(blobs)} {_plural(len(blobs), 'blob')} of color class {name}, but none of the right "
-            f"size. The nearest, at {_pixel(scene, blobs[nearest])}, has {ratios[nearest]:.2g} times the expected area "
-            f"(accepted: {gates.min_area:g} to {gates.max_area:g}). Check robots.height_m, the camera and the pattern"
+            f"size; the nearest, at {_pixel(scene, blobs[nearest])}, has {ratios[nearest]:.2g} times the expected area "
+            f"(accepted: {gates.min_area:g} to {gates.max_area:g})",
+            "Check robots.height_m, the camera's height and the pattern.",
         )
     best = _best_hypothesis(scene, finder, marker)
     if best is None or best["matched"] == 0 < len(marker.slots_m):
         count = int(accepted.sum())
-        return (
+        return Reason(
             f"no {name} robot: {count} {_plural(count, 'blob')} of color class {name} and of the right size, the first "
             f"at {_pixel(scene, blobs[accepted][0])}, without another patch of pattern {_pattern(settings, marker)} "
-            "near"
+            "near",
+            "Choose the pattern that the robots wear, or widen the classes of its patches.",
         )
-    return (
+    return Reason(
         f"no {name} robot: the best candidate, at {_pixel(scene, int(best['anchor']))}, has confidence "
         f"{best['score']:.2f}, below robots.min_confidence = {settings.robots.min_confidence:g}: "
-        f"{_what_is_missing(scene, marker, best, settings)}"
+        f"{_what_is_missing(scene, marker, best, settings)}",
+        "Repair or clean the marker, or widen the class of the patch that is missing.",
     )
 
 
 def _why_no_id(
     scene: Scene, finder: RobotFinder, marker: Marker, robots: Table, settings: Settings
-) -> list[str]:  # fmt: skip
+) -> list[Reason]:  # fmt: skip
     """Why a team's robots have no id."""
     name, hypotheses = TEAMS[marker.team], _hypotheses(scene, finder, marker)
     reasons, shown = [], Counter[int]()
@@ -119,35 +124,42 @@ def _why_no_id(
         best = near[0]
         place = f"the {name} robot at ({robot['x_px']:.0f}, {robot['y_px']:.0f}) px"
         if best["matched"] < len(marker.slots_m):
-            reasons.append(f"{place} has no id: {_what_is_missing(scene, marker, best, settings)}")
+            missing = f"{place} has no id: {_what_is_missing(scene, marker, best, settings)}"
+            advice = "Repair or clean its marker, or widen the class of the patch that is missing."
+            reasons.append(Reason(missing, advice))
         elif (number := id_of(scene.blobs, marker, best)) == NO_ID:
             pattern = _pattern(settings, marker)
-            reasons.append(f"{place} has the code {_code(scene, marker, best)}, which is no id of pattern {pattern}")
+            code = f"{place} has the code {_code(scene, marker, best)}, which is no id of pattern {pattern}"
+            reasons.append(Reason(code, f"Give it a marker of this pattern: `pslv patterns print {pattern}`."))
         else:
             shown[number] += 1
     twice = [
-        f"{NUMERALS.get(count, count)} robots have the marker of {name} {number}, so none of them has an id"
+        Reason(
+            f"{NUMERALS.get(count, count)} robots have the marker of {name} {number}, so none of them has an id",
+            "Give each robot a marker of its own.",
+        )
         for number, count in shown.items()
         if count > 1
     ]
     return reasons[:MAX_REASONS] + twice
 
 
-def _better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Callable[[], bool]) -> list[str]:
+def _better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Callable[[], bool]) -> list[Reason]:
     """The shipped pattern, or the size of the own one, that explains the picture best, if it is clearly better."""
-    best, best_gain, identified = "", MIN_GAIN_RATIO * _gain(robots), 0
-    for text, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
+    best, best_gain = None, MIN_GAIN_RATIO * _gain(robots)
+    for reason, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
         if is_over():
             break
         found = scene.robots(finder)
         ids = int((found["id"] != NO_ID).sum())
         if ids and (gain := _gain(found)) > best_gain:
-            best, best_gain, identified = text, gain, ids
-    return [f"{best} {identified} {_plural(identified, 'robot')} would be identified"] if best else []
+            text = f"{reason.text} {ids} {_plural(ids, 'robot')} would be identified"
+            best, best_gain = Reason(text, reason.advice), gain
+    return [best] if best else []
 
 
-def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
-    """For every shipped pattern whose colors are classes of this venue: a finder, and the first words of its reason."""
+def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[Reason, RobotFinder]]:
+    """For every shipped pattern whose colors are classes of this venue: a finder, and its reason's first words."""
     own = {robots_of(settings.robots, team).pattern for team in TEAMS}
     for path in sorted((config_folder() / "patterns").glob("*.toml")):
         if path.stem in own:
@@ -159,10 +171,11 @@ def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tup
         other = msgspec.structs.replace(settings.robots, blue=team, yellow=team)
         with contextlib.suppress(SettingsError):
             finder = robot_finder(msgspec.structs.replace(settings, robots=other), scene.table)
-            yield f"another pattern? With robots.pattern = {path.stem!r}", finder
+            text = f"another pattern? With robots.pattern = {path.stem!r}"
+            yield Reason(text, f"Set robots.pattern = {path.stem!r} if the robots wear it."), finder
 
 
-def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[str, RobotFinder]]:
+def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[Reason, RobotFinder]]:
     """A finder for markers that look larger or smaller than they are, as a wrong camera height makes them."""
     buffers = finder_buffers(settings.blobs.max_blobs)
     for factor in SCALES:
@@ -176,7 +189,10 @@ def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[
         )  # fmt: skip
         area = f"blobs have {factor**2:.1f} times the expected area"
         text = f"wrong camera height or field size? The {area}; with markers {factor:.2f} times as large"
-        yield text, RobotFinder((blue, yellow), gates_from(settings), buffers)
+        yield (
+            Reason(text, "Measure the camera's height and the field again."),
+            RobotFinder((blue, yellow), gates_from(settings), buffers),
+        )
 
 
 def _gain(robots: Table) -> float:

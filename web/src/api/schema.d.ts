@@ -787,14 +787,37 @@ export interface components {
         };
         /**
          * Alarm
-         * @description One cause of worse service.
+         * @description One cause why robots are served worse than they should be, or not at all.
          */
         Alarm: {
+            /** @description What it is about. */
+            about: components["schemas"]["Subject"];
+            /**
+             * Advice
+             * @description What to do.
+             */
+            advice: string;
             /**
              * Detail
              * @description The technical cause; empty when the text says all that is known.
              */
             detail: string;
+            /**
+             * First S
+             * @description Time since it was reported first [s].
+             */
+            first_s: number;
+            /**
+             * Level
+             * @description error: it keeps robots from being served.
+             * @enum {string}
+             */
+            level: "error" | "warning";
+            /**
+             * Since S
+             * @description Time for which it has been reported without a break [s].
+             */
+            since_s: number;
             /**
              * Text
              * @description In plain words.
@@ -896,7 +919,8 @@ export interface components {
             rate_hz: number;
             /**
              * Reasons
-             * @description Why nothing, or too little, is detected, a sentence each; renewed about once a second, kept for 5 s at most.
+             * @description Why nothing, or too little, is detected, and what to do, a line each; renewed about once a second, kept for
+             *     5 s at most.
              */
             reasons: string[];
             /**
@@ -1162,7 +1186,7 @@ export interface components {
             median_luma: number | null;
             /**
              * Reasons
-             * @description What is wrong with the light, a sentence each; empty when nothing is.
+             * @description What is wrong with the light, and what to do, a line each; empty when nothing is.
              */
             reasons: string[];
             /**
@@ -1449,6 +1473,33 @@ export interface components {
             secret: string;
         };
         /**
+         * LossReport
+         * @description What was lost in the last minute, by the name of the task or robot; what lost nothing is missing.
+         */
+        LossReport: {
+            /**
+             * Dropped
+             * @description Datagrams to a robot that the network refused.
+             */
+            dropped: {
+                [key: string]: number;
+            };
+            /**
+             * Missed
+             * @description Releases of a task that passed without a run: images that it skipped.
+             */
+            missed: {
+                [key: string]: number;
+            };
+            /**
+             * Overruns
+             * @description Runs of a task that took longer than its budget.
+             */
+            overruns: {
+                [key: string]: number;
+            };
+        };
+        /**
          * MachineReport
          * @description Result of the self-test: wake-ups of one process on a grid of 5 ms, for two seconds.
          */
@@ -1690,6 +1741,11 @@ export interface components {
          */
         Readiness: {
             /**
+             * Advice
+             * @description What to do about each of ``reasons``, then about each of ``degraded``.
+             */
+            advice: string[];
+            /**
              * Degraded
              * @description What is worse than it should be, one sentence for each cause.
              */
@@ -1888,7 +1944,7 @@ export interface components {
         Status: {
             /**
              * Alarms
-             * @description What is worse than it should be.
+             * @description Reasons and what is worse than it should be, each with what to do.
              */
             alarms: components["schemas"]["Alarm"][];
             /** Cameras */
@@ -1909,6 +1965,8 @@ export interface components {
              */
             http: string;
             lags: components["schemas"]["Lags"];
+            /** @description In the last minute. */
+            losses: components["schemas"]["LossReport"];
             /** Processes */
             processes: components["schemas"]["ProcessReport"][];
             /**
@@ -1945,6 +2003,12 @@ export interface components {
              */
             waiting: components["schemas"]["WaitingReport"][];
         };
+        /**
+         * Subject
+         * @description What a cause is about: the figure of the page's health strip that it belongs to.
+         * @enum {string}
+         */
+        Subject: "service" | "camera" | "lag" | "misses" | "drops" | "machine";
         /**
          * Swap
          * @description A swap; revision: the newest that was seen, null: whatever was changed since.
@@ -6840,6 +6904,52 @@ export interface operations {
                 };
                 content: {
                     "image/jpeg": unknown;
+                };
+            };
+            /** @description In a match only the operator sees where everything is now */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
                 };
             };
             /** @description No image yet */

@@ -34,11 +34,27 @@ export function shortUri(uri: string): string {
   return uri.startsWith("file:") ? (uri.replace(/\/+$/, "").split(/[:/]/).at(-1) ?? uri) : uri;
 }
 
-/** A time of day: 17:05:12; of another day with its date. */
+const two = (number: number) => String(number).padStart(2, "0");
+
+/** A time of day: 17:05:12. */
+export function timeOfDay(at: Date): string {
+  return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+}
+
+/** A day: 2026-07-01. */
+export function dayOf(at: Date): string {
+  return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+}
+
+/** A time, in seconds since 1970: 17:05:12; of another day with its date. */
 export function clockTime(seconds: number): string {
   const at = new Date(seconds * 1000);
-  const time = at.toLocaleTimeString(undefined, { hour12: false });
-  return at.toDateString() === new Date().toDateString() ? time : `${at.toLocaleDateString()} ${time}`;
+  return dayOf(at) === dayOf(new Date()) ? timeOfDay(at) : `${dayOf(at)} ${timeOfDay(at)}`;
+}
+
+/** The same to the minute. */
+export function minuteOfDay(seconds: number): string {
+  return clockTime(seconds).slice(0, -3);
 }
 
 /** A value of a setting as text. */

@@ -1,15 +1,17 @@
 """A measured cause is reported when it has lasted and stays until it has been absent for a while."""
 
-from app.web.health.degradation import Degradation
+from dataclasses import replace
+
+from app.web.health.cause import Cause, Subject
 from app.web.health.hysteresis import RELEASE_S, Hysteresis
 from vision_core.clock import Instant, after
 
 START = Instant(1_000_000_000_000)
-MEASURED = Degradation("rate", "slow", hold_s=2.0)
-DISCRETE = Degradation("off", "switched off")
+MEASURED = Cause("rate", Subject.CAMERA, "slow", "Hurry.", hold_s=2.0)
+DISCRETE = Cause("off", Subject.SERVICE, "switched off", "Switch it on.")
 
 
-def reported(hysteresis: Hysteresis, at_s: float, *present: Degradation) -> list[str]:
+def reported(hysteresis: Hysteresis, at_s: float, *present: Cause) -> list[str]:
     """Texts that are reported at an instant [s since START]."""
     return [cause.text for cause in hysteresis.filtered(present, after(START, at_s))]
 
@@ -46,5 +48,5 @@ def test_a_cause_is_released_after_its_absence() -> None:
 def test_the_newest_numbers_are_reported_in_the_order_of_the_snapshot() -> None:
     hysteresis = Hysteresis()
     reported(hysteresis, 0.0, DISCRETE, MEASURED)
-    newest = Degradation("rate", "slower", hold_s=2.0)
+    newest = replace(MEASURED, text="slower")
     assert reported(hysteresis, 2.0, newest, DISCRETE) == ["slower", "switched off"]

@@ -2,15 +2,16 @@
 
 import pytest
 
-from app.web.health.degradation import Degradation
+from app.web.health.cause import Cause, Subject
 from app.web.health.log import NOT_READY_HOLD_S, HealthLog
 from app.web.health.monitor import Health
 from vision_core.clock import Instant, after
 
 START = Instant(1_000_000_000_000)
 READY = Health((), ())
-SLOW, OFF = Degradation("rate", "slow", "9 of 30"), Degradation("off", "task lines is switched off")
-BLIND = Health(("no image yet",), ())
+SLOW = Cause("rate", Subject.CAMERA, "slow", "Hurry.", "9 of 30")
+OFF = Cause("off", Subject.SERVICE, "task lines is switched off", "Switch it on.")
+BLIND = Health((Cause("blind", Subject.CAMERA, "no image yet", "Look."),), ())
 
 
 class Log:

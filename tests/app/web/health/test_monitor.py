@@ -24,7 +24,7 @@ def later(snapshot: ServiceSnapshot, seconds: float) -> ServiceSnapshot:
 
 def test_a_service_that_serves_is_ready(well: ServiceSnapshot) -> None:
     health = HealthMonitor().judge(well)
-    assert (health.state, health.is_ready, health.sentences) == (HealthState.READY, True, [])
+    assert (health.state, health.is_ready, health.causes) == (HealthState.READY, True, ())
 
 
 def test_a_slow_camera_degrades_the_service_when_it_lasts(well: ServiceSnapshot) -> None:
@@ -35,7 +35,7 @@ def test_a_slow_camera_degrades_the_service_when_it_lasts(well: ServiceSnapshot)
         assert monitor.judge(later(slow, at_s)).state is HealthState.READY
     health = monitor.judge(later(slow, RATE_HOLD_S))
     assert (health.state, health.is_ready) == (HealthState.DEGRADED, True)
-    assert health.sentences == ["the camera delivers 9.0 of 30 pictures a second"]
+    assert [cause.sentence for cause in health.causes] == ["the camera delivers 9.0 of 30 pictures a second"]
 
 
 def test_what_follows_from_not_being_ready_is_not_listed(well: ServiceSnapshot) -> None:
@@ -44,7 +44,7 @@ def test_what_follows_from_not_being_ready_is_not_listed(well: ServiceSnapshot) 
     monitor.judge(slow)
     broken = with_records(slow, processes=processes(serve=("disabled", ""), watch=("disabled", "")))
     health = monitor.judge(later(broken, RATE_HOLD_S))
-    assert (health.state, health.reasons) == (HealthState.NOT_READY, ("process serve is disabled",))
+    assert (health.state, health.reasons[0].text) == (HealthState.NOT_READY, "process serve is disabled")
     assert [cause.key for cause in health.degradations] == ["process watch disabled"]
     assert monitor.judge(later(slow, 2 * RATE_HOLD_S)).state is HealthState.READY, "the rate has to last anew"
 
@@ -57,3 +57,12 @@ def test_a_short_gap_leaves_what_was_reported(well: ServiceSnapshot) -> None:
     gap = replace(slow, frame=None)
     assert monitor.judge(later(gap, RATE_HOLD_S + 1.0)).state is HealthState.NOT_READY
     assert monitor.judge(later(slow, RATE_HOLD_S + 2.0)).state is HealthState.DEGRADED
+
+
+def test_a_cause_says_since_when_it_is_reported_and_when_it_was_first(well: ServiceSnapshot) -> None:
+    monitor, off = HealthMonitor(), with_records(well, processes=processes(watch=("disabled", "")))
+    (key,) = [cause.key for cause in monitor.judge(off).causes]
+    assert monitor.judge(later(off, 4.0)).seen[key].since == off.now
+    assert monitor.judge(later(well, 5.0)).seen == {}
+    again = monitor.judge(later(off, 9.0)).seen[key]
+    assert (again.first, again.since) == (off.now, after(off.now, 9.0))

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from app.web.blackboard import FrameStamp, ServiceSnapshot
-from app.web.health.readiness import is_starting, reasons_not_ready
+from app.web.health.readiness import is_starting
+from app.web.health.readiness import reasons_not_ready as causes_not_ready
 from tests.app.fake_snapshot import (
     EMPTY_FIELD,
     NOW,
@@ -27,6 +28,11 @@ from vision_core.venues.loader import load_settings
 def well() -> ServiceSnapshot:
     """A service that serves."""
     return serving_snapshot()
+
+
+def reasons_not_ready(snapshot: ServiceSnapshot) -> tuple[str, ...]:
+    """The sentences of the reasons."""
+    return tuple(cause.sentence for cause in causes_not_ready(snapshot))
 
 
 def test_a_service_that_serves_is_ready(well: ServiceSnapshot) -> None:

@@ -3,10 +3,11 @@
 import pytest
 
 from app.web.blackboard import ServiceSnapshot
-from app.web.health.degradation import Degradation
+from app.web.health.cause import Cause
 from app.web.health.sightings import MAX_BOUNDARY_OFF_PX, MAX_LINE_OFF_PX, NO_ROBOT_HOLD_S, sighting_degradations
 from tests.app.fake_snapshot import EMPTY_FIELD, NOW, serving_snapshot, timed, with_records
 from vision_core.types.objects import Diagnosis
+from vision_core.types.reasons import Reason
 from vision_core.types.regions import ExposureCheck, FieldBoundary, Finding, LineCheck
 
 MOVED = "the camera was moved, or the venue does not fit the field"
@@ -22,7 +23,7 @@ def snapshot(
     valid: bool = True,
 ) -> ServiceSnapshot:
     """What the checks found in one picture; reasons: of the exposure check; valid: the checks are recent."""
-    exposure = ExposureCheck(231.0, 88.0, 0.001, reasons)
+    exposure = ExposureCheck(231.0, 88.0, 0.001, tuple(Reason(text, "Do it.") for text in reasons))
     return with_records(
         serving_snapshot(),
         lines=timed(Finding("main", 7, NOW, lines), valid=valid) if lines else None,
@@ -31,7 +32,7 @@ def snapshot(
     )
 
 
-def causes(of: ServiceSnapshot) -> list[Degradation]:
+def causes(of: ServiceSnapshot) -> list[Cause]:
     return list(sighting_degradations(of))
 
 
@@ -44,9 +45,9 @@ def test_no_robot_is_a_cause_when_it_lasts_and_says_why() -> None:
     empty = with_records(snapshot(), sightings=timed(EMPTY_FIELD))
     (cause,) = causes(empty)
     assert (cause.sentence, cause.hold_s) == ("no robot is seen", NO_ROBOT_HOLD_S)
-    dark = Diagnosis("main", 7, NOW, ("too dark: lamps?", "and more"))
+    dark = Diagnosis("main", 7, NOW, (Reason("too dark: lamps?", "Switch them on."), Reason("and more", "Do it.")))
     (cause,) = causes(with_records(empty, diagnosis=timed(dark)))
-    assert cause.sentence == "no robot is seen: too dark: lamps?"
+    assert (cause.sentence, cause.advice) == ("no robot is seen: too dark: lamps?", "Switch them on.")
 
 
 def test_bad_light_is_reported_in_the_words_of_the_check() -> None:
