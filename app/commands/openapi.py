@@ -6,7 +6,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from app.launch.plan import plan_service
+from app.launch.plan import plan_service, service_info
+from app.launch.prepared import Prepared
+from app.launch.sockets import open_sockets
 from app.web.application import create_app
 from vision_core.clock import Instant
 from vision_core.rtdb.store import Store, create_block
@@ -17,7 +19,9 @@ def document() -> dict[str, Any]:
     """The document of the default settings. No process is started."""
     layers = layers_of(options={"server.port": 0, "server.udp_port": 0})
     with tempfile.TemporaryDirectory() as folder:
-        plan, _ = plan_service(settings_from_layers(layers), "types", layers, Path(folder) / "venue.db", "default")
+        prepared = Prepared(settings_from_layers(layers), layers, Path(folder) / "venue.db", "default")
+        sockets = open_sockets(prepared.settings.server)
+        plan = plan_service(service_info(prepared, sockets, version="types", boot=Instant(1), restarts=0), sockets)
         for opened in plan.sockets.values():
             opened.close()
         store = Store(plan.records, create_block(plan.records))

@@ -18,9 +18,10 @@ def print_line(line: str) -> None:
 
 
 class Progress:
-    """How far the compiler is: a spinner on a terminal, lines elsewhere."""
+    """How far a work is: a spinner on a terminal, lines elsewhere."""
 
-    def __init__(self) -> None:
+    def __init__(self, work: str = "compiling") -> None:
+        self._work = work
         self._status: Status | None = None
 
     def show(self, text: str) -> None:
@@ -30,9 +31,9 @@ class Progress:
                 self._status.stop()
             self._status = None
         elif not console.is_terminal:
-            print_line(f"compiling: {text}")
+            print_line(f"{self._work}: {text}")
         elif self._status is None:
-            self._status = console.status(f"compiling: {text}")
+            self._status = console.status(f"{self._work}: {text}")
             self._status.start()
         else:
-            self._status.update(f"compiling: {text}")
+            self._status.update(f"{self._work}: {text}")

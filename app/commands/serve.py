@@ -1,24 +1,18 @@
 """``pslv serve``: from settings to a running service."""
 
-import contextlib
 import os
 import sys
 import webbrowser
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app import __version__
 from app.commands.options import ConfigFile, Venue
 from app.commands.progress import Progress, print_line
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from vision_core.settings.layers import Layer
-    from vision_core.settings.schema import Settings
+    from vision_core.rtdb.infos import SelfTest, ServiceInfo
 
 
 def serve(
@@ -49,9 +43,9 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
-    from app.launch.kept_changes import database_folder, scope_of, with_kept_changes
-    from vision_core.tasks.table import check_table
-    from vision_core.venues.loader import layers_of, place_of, settings_from_layers
+    from app.launch.plan import prepare_kernel_folder
+    from app.launch.prepared import StartOptions
+    from app.launch.service import Reports, run_service
 
     options = {
         "source.uri": source,
@@ -61,44 +55,27 @@ def serve(
         "server.udp_port": udp_port,
         "server.session_port": session_port,
     }
-    folder, notice = database_folder(database)
-    scope = scope_of(venue, config)
-    document = folder / f"venue-{scope}.db"
-    if notice:
-        print_line(notice)
-    layers = with_kept_changes(document, layers_of(venue, config, options), print_line)
-    settings = settings_from_layers(layers)
-    check_table(settings, lambda key: place_of(key, layers))
-    sys.exit(_run(settings, layers, document, scope))
-
-
-def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope: str) -> int:
-    """Run the service until it is stopped. Returns its exit status."""
-    from app.launch.page import page_being_built
-    from app.launch.plan import plan_service, prepare_kernel_folder
-    from app.launch.preflight import preflight
-    from app.launch.resource_owners import lock_camera
-    from app.supervisor.supervisor import Supervisor
-    from vision_core.rtdb import records
-    from vision_core.scheduling.selftest import in_words
-
+    start = StartOptions(venue, _path(config), _path(database), options)
     for line in prepare_kernel_folder():
         print_line(line)
-    with contextlib.ExitStack() as held:
-        if settings.source.device is not None:
-            held.enter_context(lock_camera(settings.source.device))
-        plan, info = plan_service(settings, __version__, layers, document, scope)
-        machine = preflight(settings, print_line)
-        held.enter_context(page_being_built())  # not before: the self-test of the machine wants it quiet
-        plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
-        print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
-        print_line(in_words(machine))
-        link = _link(info.http, document.parent)
-        if link != info.http:
-            print_line(f"no password is set yet; the operator logs in here: {link}")
-        if os.environ.get("DISPLAY") and sys.stdout.isatty():
-            webbrowser.open(link)
-        return Supervisor(plan, print_line, Progress().show).run()
+    sys.exit(run_service(start, Reports(print_line, Progress().show, _tell_start)))
+
+
+def _path(path: Path | None) -> str | None:
+    return str(path.absolute()) if path else None
+
+
+def _tell_start(info: "ServiceInfo", machine: "SelfTest") -> None:
+    """Say where the page and the UDP ports are, and open the page on a desktop."""
+    from vision_core.scheduling.selftest import in_words
+
+    print_line(f"PSLV {info.version}: page {info.http}, robots at UDP {info.udp}, source {info.settings.source.uri}")
+    print_line(in_words(machine))
+    link = _link(info.http, Path(info.database).parent)
+    if link != info.http:
+        print_line(f"no password is set yet; the operator logs in here: {link}")
+    if os.environ.get("DISPLAY") and sys.stdout.isatty():
+        webbrowser.open(link)
 
 
 def _link(page: str, database: Path) -> str:

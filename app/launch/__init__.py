@@ -1,2 +1,7 @@
-"""From settings to a running service: ``preflight`` (can it work?), ``plan`` (what the supervisor starts),
-``resource_owners`` (which process has a port or a camera open)."""
+"""From the command line to a running service.
+
+Files, outside-in: ``service`` (from the first start to the end, restarts among it), ``prepared`` (the settings),
+``kept_changes`` (what the page changed before), ``preflight`` (can it work?), ``restart_check`` (would it start
+again?), ``plan`` (what the supervisor starts), ``sockets``, ``page`` (built beside the kernels), ``resource_owners``
+(which process has a port or a camera open).
+"""

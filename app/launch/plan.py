@@ -1,25 +1,22 @@
-"""From settings to what the supervisor starts: the task table, records, sockets."""
+"""From settings to what the supervisor starts: the task table, records, processes."""
 
-import errno
 import os
 import socket
-import sys
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
+from types import MappingProxyType
 
 import msgspec
 
-from app.launch.resource_owners import port_holder
-from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
+from app.launch.prepared import Prepared
+from app.launch.sockets import shown_address
+from app.supervisor.plan import LOG, ChildPlan, ServicePlan
 from app.web import PROCESS as WEB_PROCESS
 from vision_core import startup
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.native.kernel_folder import DAMAGED, VARIABLE, choose_kernel_folder, delete_damaged
 from vision_core.net.control_files import PREFIX
-from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
@@ -37,62 +34,67 @@ OWN_LOOP_S = 0.8
 """Added for a process with a loop of its own, which writes fewer heartbeats."""
 SHORT_RUN_S = 1.0
 """Every real-time task may compute for this long, whatever its period and budget are."""
-BACKLOG = 16
 ROOM_FOR_ADDRESSES = 1024
 """Left in the service's record beside the settings [bytes]."""
 
 
-def plan_service(
-    settings: Settings, version: str, layers: Sequence[Layer], document: Path, venue: str
-) -> tuple[ServicePlan, ServiceInfo]:
-    """Open the sockets and lay out everything else. layers: where the settings come from.
+def service_info(
+    prepared: Prepared, sockets: Mapping[str, socket.socket], *, version: str, boot: Instant, restarts: int
+) -> ServiceInfo:
+    """What does not change until the service is restarted. Raises ServiceError as ``layers_without_text``.
 
-    document: the file of what is changed on the page; venue: whose settings these are.
-
-    Raises ServiceError, with nothing left open.
+    sockets: those of ``open_sockets``; boot: start of the service; restarts: since then.
     """
-    if sys.platform != "linux":
-        raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
-    values = tuple(replace(layer, text="") for layer in layers)
-    size, room = len(msgspec.msgpack.encode((settings, values))), records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
+    return ServiceInfo(
+        version=version,
+        boot=boot,
+        http=f"http://{shown_address(sockets['http'])}",
+        udp=f"{shown_address(sockets['main'])}, sessions {sockets['session'].getsockname()[1]}",
+        settings=prepared.settings,
+        tasks=task_table(prepared.settings),
+        layers=layers_without_text(prepared),
+        database=str(prepared.document),
+        venue=prepared.scope,
+        restarts=restarts,
+    )
+
+
+def layers_without_text(prepared: Prepared) -> tuple[Layer, ...]:
+    """The layers of settings as the record ``service`` holds them. Raises ServiceError when they do not fit."""
+    layers = tuple(replace(layer, text="") for layer in prepared.layers)
+    size = len(msgspec.msgpack.encode((prepared.settings, layers)))
+    room = records.SERVICE.spec.capacity - ROOM_FOR_ADDRESSES
     if size > room:
         raise ServiceError("settings", found=f"{size} bytes of them", accepted=f"at most {room} bytes")
-    server = settings.server
-    udp_host = server.udp_host or server.host
-    http = _listen(server.host, server.port)
-    try:
-        main, session = open_server_sockets(udp_host, server.udp_port, server.session_port)
-    except ServiceError as error:
-        http.close()
-        raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
-    tasks = task_table(settings)
-    children = (_log_reader(), _compiler(), _responder(), *_child_plans(tasks, settings))
+    return layers
+
+
+def plan_service(
+    info: ServiceInfo,
+    sockets: Mapping[str, socket.socket],
+    known: Mapping[str, bytes] = MappingProxyType({}),
+    check: tuple[str, ...] = (),
+    *,
+    compiles: bool = True,
+) -> ServicePlan:
+    """Lay out what the supervisor starts. sockets: those of ``open_sockets``; known: further records by name.
+
+    check: command that finds out whether the service would start again. compiles: kernels may be missing.
+    """
+    compiler = (_compiler(),) if compiles else ()
+    children = (_log_reader(), *compiler, _responder(), *_child_plans(info.tasks, info.settings))
     with_heartbeat = (*(child.name for child in children), *SPARES)
-    boot = time.monotonic_ns()
-    info = ServiceInfo(
-        version=version,
-        boot=Instant(boot),
-        http=f"http://{_shown(http)}",
-        udp=f"{_shown(main)}, sessions {session.getsockname()[1]}",
-        settings=settings,
-        tasks=tasks,
-        layers=values,
-        database=str(document),
-        venue=venue,
-    )
-    log, output = socket.socketpair()
-    output.setblocking(False)
-    plan = ServicePlan(
+    return ServicePlan(
         children=children,
-        records=record_specs(settings, tasks, with_heartbeat),
-        initial={"service": records.SERVICE.encode(info)},
-        sockets={"http": http, "main": main, "session": session, LOG: log, OUTPUT: output},
-        boot=boot,
+        records=record_specs(info.settings, info.tasks, with_heartbeat),
+        initial={**known, "service": records.SERVICE.encode(info)},
+        sockets=dict(sockets),
+        boot=info.boot,
         spares=SPARES,
-        control=f"{PREFIX}{http.getsockname()[1]}",
+        control=f"{PREFIX}{sockets['http'].getsockname()[1]}",
         spare_module=startup.SPARE,
+        check=check,
     )
-    return plan, info
 
 
 def prepare_kernel_folder() -> tuple[str, ...]:
@@ -211,42 +213,3 @@ def _slack_s(task: Task, settings: Settings) -> float:
     if task.trigger == DRIVER and settings.source.device is not None:
         return BLOCKED_DRIVER_S
     return 0.0
-
-
-def _listen(host: str, port: int) -> socket.socket:
-    """The page's listening socket."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        listener.bind((host, port))
-        listener.listen(BACKLOG)
-    except (OSError, TypeError) as error:  # TypeError: what no host can be named, in bind's words
-        listener.close()
-        in_use = getattr(error, "errno", None) == errno.EADDRINUSE
-        free = "a free port: --port 0 takes any, --port N chooses one"
-        holder = port_holder("tcp", port) if in_use else None
-        found = getattr(error, "strerror", None) or str(error)
-        raise ServiceError(
-            f"TCP port {port} at {host}",
-            found=f"{found}, by {holder}" if holder else found,
-            accepted=free if in_use else "an address of this machine, and a port that it may open",
-        ) from None
-    return listener
-
-
-def _with_holder(error: ServiceError, *ports: int) -> ServiceError:
-    """The same, with the process that has one of the UDP ports, if we may know it."""
-    if error.found != TAKEN:
-        return error
-    holder = next((named for port in ports if port and (named := port_holder("udp", port))), None)
-    return (
-        error
-        if holder is None
-        else ServiceError(error.asked, found=f"{error.found}, by {holder}", accepted=error.accepted)
-    )
-
-
-def _shown(bound: socket.socket) -> str:
-    host, port = bound.getsockname()[:2]
-    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

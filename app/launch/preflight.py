@@ -15,7 +15,7 @@ from vision_core.errors import PslvError
 from vision_core.rtdb.infos import SelfTest
 from vision_core.scheduling import selftest
 from vision_core.settings.schema import Settings
-from vision_core.startup import PREFLIGHT
+from vision_core.startup import PREFLIGHT, WITHOUT_SOURCE
 
 
 def preflight(settings: Settings, log: Callable[[str], None]) -> SelfTest:
@@ -28,7 +28,7 @@ def preflight(settings: Settings, log: Callable[[str], None]) -> SelfTest:
     command = [sys.executable, "-m", selftest.__name__]
     with subprocess.Popen(command, stdout=subprocess.PIPE, process_group=0) as timing, contextlib.ExitStack() as held:
         held.callback(timing.kill)
-        for line in _try_settings(settings):
+        for line in try_settings(settings):
             log(line)
         measured = timing.communicate()[0]
         if timing.returncode:
@@ -38,10 +38,17 @@ def preflight(settings: Settings, log: Callable[[str], None]) -> SelfTest:
         return msgspec.json.decode(measured, type=SelfTest)
 
 
-def _try_settings(settings: Settings) -> list[str]:
-    """Let a process make what the tasks make of the settings. Returns its remarks; raises PslvError when it fails."""
+def try_settings(settings: Settings, *, opens_source: bool = True) -> list[str]:
+    """Let a process make what the tasks make of the settings. Returns its remarks; raises PslvError when it fails.
+
+    opens_source: it also opens the source and closes it; not one that a running service has open.
+    """
+    arguments = [] if opens_source else [WITHOUT_SOURCE]
     tried = subprocess.run(
-        [sys.executable, "-m", PREFLIGHT], input=msgspec.json.encode(settings), capture_output=True, check=False
+        [sys.executable, "-m", PREFLIGHT, *arguments],
+        input=msgspec.json.encode(settings),
+        capture_output=True,
+        check=False,
     )
     lines = tried.stderr.decode(errors="replace").strip().splitlines()
     if tried.returncode:

@@ -17,9 +17,14 @@ The supervisor only waits, so it may have the highest real-time priority: load d
 late all the same, the whole machine stood still, and heartbeats are expected from then on only. A process that computes
 or waits for a processor is not hung: a real-time one may compute for its period, an ordinary one for half a minute.
 
+The whole service can be restarted; its clients notice a pause of about a second. A process of its own checks that the
+service would start. Then ``app.launch.service`` makes a second supervisor with the same sockets and the same clock,
+whose processes load everything while the first goes on. Then the first stops, and the second begins with the sessions.
+
 Rules: standard library only; it never decodes what the tasks write, and never imports a stage.
 
-Files, outside-in: ``supervisor`` (the loop), ``control`` (the socket for requests), ``spares`` (warm spares), ``child``
-(one process), ``lifecycle`` (its states and transitions), ``vitals`` (is it hung?), ``priorities`` (which process runs
-first), ``plan`` (what to start).
+Files, outside-in: ``supervisor`` (the loop), ``restart`` (of the whole service), ``family`` (memory, events and
+processes of a plan), ``control`` (the socket for requests), ``spares`` (warm spares), ``child`` (one process),
+``lifecycle`` (its states and transitions), ``vitals`` (is it hung?), ``priorities`` (which process runs first),
+``plan`` (what to start).
 """

@@ -84,16 +84,40 @@ class Child:
             "detail": self.detail[:MAX_DETAIL],
         }
 
+    @property
+    def is_warm(self) -> bool:
+        """Does it wait for ``begin``, with everything loaded?"""
+        return self.state is ProcessState.RUNNING and self.process is not None and self.process.stdin is not None
+
     def start(self, now: int) -> None:
         """Start the process. When the machine cannot start it, that counts as a crash."""
+        self._start([self.plan.module, *self.arguments], waits=self.is_spare, now=now)
+
+    def start_warm(self, spare_module: str, now: int) -> None:
+        """Start the process as a warm spare that waits for ``begin`` to become this child."""
+        self._start([spare_module, self.plan.module], waits=True, now=now)
+
+    def begin(self, now: int) -> None:
+        """Let a warm process begin its work; when it has just ended, it is started from nothing."""
+        process, pidfd = self.process, self.pidfd
+        assert process is not None
+        assert pidfd is not None
+        if (hurried := self._become(self, process)) is None:
+            return
+        self._change(Change.HANDED_OVER)
+        self._adopt(process, pidfd, now, WARM_PATIENCE_S)
+        self.hurried = hurried
+
+    def _start(self, command: list[str], *, waits: bool, now: int) -> None:
+        """Start a main module. waits: for a message on its standard input."""
         self.started = now
         environment = os.environ | {VARIABLE: self.resources.encode(), "PYTHONUNBUFFERED": "1"}
         try:
             process = subprocess.Popen(
-                [sys.executable, "-m", self.plan.module, *self.arguments],
+                [sys.executable, "-m", *command],
                 env=environment,
                 pass_fds=(*self.resources.descriptors(), *self.inherits),
-                stdin=subprocess.PIPE if self.is_spare else subprocess.DEVNULL,
+                stdin=subprocess.PIPE if waits else subprocess.DEVNULL,
                 stdout=subprocess.PIPE if self.plan.once else self.output,
                 stderr=self.output,
                 bufsize=0,
@@ -106,26 +130,34 @@ class Child:
 
     def hand_over(self, child: "Child", now: int) -> bool:
         """Let this spare's process become another child; False when the spare cannot be told to."""
-        assert self.process is not None
-        assert self.process.stdin is not None
-        assert self.pidfd is not None
-        hurried = hurry(self.process.pid)
-        become = Become(child.plan.module, child.resources, hurried=hurried).encode()
-        pipe = self.process.stdin.fileno()
-        os.set_blocking(pipe, False)
-        try:
-            written = os.write(pipe, become) == len(become)
-        except OSError:  # the spare has just ended
-            written = False
-        if not written:
-            self.signal(signal.SIGKILL)
+        process, pidfd = self.process, self.pidfd
+        assert process is not None
+        assert pidfd is not None
+        if (hurried := self._become(child, process)) is None:
             return False
-        self.process.stdin.close()
-        child._adopt(self.process, self.pidfd, now, WARM_PATIENCE_S)
+        child._adopt(process, pidfd, now, WARM_PATIENCE_S)
         child.hurried = hurried
         self.process = self.pidfd = None
         self._change(Change.HANDED_OVER)
         return True
+
+    def _become(self, child: "Child", process: subprocess.Popen[bytes]) -> bool | None:
+        """Tell a warm process which child to become. Returns whether it is hurried; None when it cannot be told."""
+        assert process.stdin is not None
+        hurried = hurry(process.pid)
+        become = Become(child.plan.module, child.resources, hurried=hurried).encode()
+        pipe = process.stdin.fileno()
+        os.set_blocking(pipe, False)
+        try:
+            written = os.write(pipe, become) == len(become)
+        except OSError:  # it has just ended
+            written = False
+        if not written:
+            self.signal(signal.SIGKILL)
+            return None
+        process.stdin.close()
+        process.stdin = None
+        return hurried
 
     def has_ended(self) -> bool:
         """Has the process ended? Takes its exit status."""

@@ -54,7 +54,7 @@ class ServicePlan:
     initial: dict[str, bytes]
     """First values of records that the supervisor writes."""
     sockets: dict[str, socket.socket]
-    """Sockets that were opened for the children, by name."""
+    """Sockets that were opened for the children, by name; who opened them closes them."""
     boot: int
     """Start of the service [ns of CLOCK_MONOTONIC]."""
     spares: tuple[str, ...]
@@ -63,3 +63,6 @@ class ServicePlan:
     """Name of the service, by which its control socket is found: "pslv/8000"."""
     spare_module: str
     """Main module of a warm spare; ``vision_core.startup.spare`` says what it must do."""
+    check: tuple[str, ...] = ()
+    """Command that finds out whether the service could be restarted: what it prints last on standard output says why
+    not, when its exit status is not 0. Without it the service cannot be restarted as a whole."""

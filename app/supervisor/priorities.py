@@ -5,6 +5,7 @@ Every request may be refused by the kernel; then the process takes its turn as a
 
 import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 OWN = 91
@@ -17,6 +18,15 @@ def go_first() -> None:
     """Give this process the highest priority; the processes that it starts are ordinary."""
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(OWN))
+
+
+@contextlib.contextmanager
+def unhurried() -> Iterator[None]:
+    """Compute as an ordinary process for the time of the block: above all tasks, one may only wait."""
+    with contextlib.suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
+    yield
+    go_first()
 
 
 def hurry(pid: int) -> bool:

@@ -7,26 +7,28 @@ import select
 import signal
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from types import MappingProxyType
 from typing import Any
 
 from app.supervisor.child import Child
 from app.supervisor.control import Answer, ControlSocket
-from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
+from app.supervisor.family import Family
+from app.supervisor.plan import ServicePlan
 from app.supervisor.priorities import go_first
-from app.supervisor.spares import Spares, spare_plans
+from app.supervisor.restart import CARRIED, Restart
 from vision_core.clock import NS_PER_S
-from vision_core.rtdb.process_state import SETTLED, ProcessState
-from vision_core.rtdb.slots import SlotReader
-from vision_core.rtdb.store import Store, create_block
-from vision_core.scheduling.attachment import HEARTBEAT, ChildResources, monotonic, name_process
+from vision_core.rtdb.process_state import SETTLED, ProcessState, RestartState
+from vision_core.scheduling.attachment import monotonic, name_process
 
 TICK_S = 0.1
 MIN_TICK_S = 0.02
 LATE_S = 0.1
 """A turn of the loop that is later than this means that the whole machine stood still, not the children."""
 PUBLISH_EVERY_S = 0.5
+REQUEST = "restart_request"
+"""Record by which the page asks for a restart of the service."""
 STOP_PATIENCE_S = 1.5
 """Time that children have to end after SIGTERM before they are killed; the service stops within 3 s."""
 
@@ -35,30 +37,22 @@ class Supervisor:
     """Starts the processes of a plan, starts them again when they end, and stops them."""
 
     def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None]) -> None:
-        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done.
-
-        Raises ServiceError when the control socket's name is taken.
-        """
+        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done."""
         self._plan = plan
         self._log = log
         self._progress = progress
-        self._control = ControlSocket(plan.control, self._answer)
-        self._block = create_block(plan.records)
-        self._read_only_block = os.open(f"/proc/self/fd/{self._block}", os.O_RDONLY | os.O_CLOEXEC)
-        self._store = Store(plan.records, self._block)
-        for name, value in plan.initial.items():
-            self._store.writer(name).write(value, monotonic(), monotonic())
-        self._events = {child.name: os.eventfd(0, os.EFD_NONBLOCK) for child in plan.children if child.wakes}
+        self._family = Family(plan)
+        self._store = self._family.store
+        self.children, self.spares, self._all = self._family.children, self._family.spares, self._family.all
+        self._control: ControlSocket | None = None
         self._processes = self._store.writer("processes")
-        self.children = [
-            Child(child, self._resources(child), self._heartbeat(child), output=self._output(child))
-            for child in plan.children
-        ]
-        self.spares = Spares([self._spare(spare) for spare in spare_plans(plan)])
-        self._all = (*self.children, *self.spares.all)
+        self._restart = Restart(plan.check, log)
+        self._request = self._store.reader(REQUEST) if REQUEST in self._store.specs else None
         self._woken, self._wake = socket.socketpair()
         self._woken.setblocking(False)
         self._wake.setblocking(False)
+        self._requests = 0
+        """How many requests of a restart were taken note of."""
         self._stopping = False
         self._failed = False
         self._complete = False
@@ -67,25 +61,94 @@ class Supervisor:
         self._published: tuple[bytes, int] = b"", 0
         """The newest table of processes, and when it was written [ns]."""
 
-    def run(self) -> int:
-        """Run until SIGINT or SIGTERM. Returns the exit status of the service."""
+    @property
+    def is_restarting(self) -> bool:
+        """Is the service to be restarted? Then ``run`` has returned, or returns soon."""
+        return self._restart.state is RestartState.RESTARTING
+
+    @property
+    def is_stopping(self) -> bool:
+        """Did SIGINT, SIGTERM or a failure end ``run``?"""
+        return self._stopping
+
+    def refuse_restart(self, why: str) -> None:
+        """Go on as it is. why: in words."""
+        self._restart.refuse(why)
+
+    def tell_restart(self, progress: str) -> None:
+        """Say how far a restart is."""
+        self._restart.detail = progress
+
+    def warm_up(self) -> tuple[int, int]:
+        """Let the next child load what it needs, without beginning; another supervisor's children do their work yet.
+
+        To be called again and again: one loads at a time, so that it delays the others little. Returns how many have
+        loaded or given up, and how many there are.
+        """
+        now = time.monotonic_ns()
+        warmed = [child for child in self.children if child.plan.spared]
+        for child in warmed:
+            self._check(child, now)
+        if not any(child.state is ProcessState.STARTING for child in warmed):
+            for child in warmed:
+                if child.state is ProcessState.WAITING:
+                    child.start_warm(self._plan.spare_module, now)
+                    break
+        done = sum(child.state not in (ProcessState.WAITING, ProcessState.STARTING) for child in warmed)
+        return done, len(warmed)
+
+    def start(self, carried: Mapping[str, bytes] = MappingProxyType({})) -> None:
+        """Start the children, the warm ones among them. carried: what ``stop`` of an earlier supervisor returned.
+
+        Raises ServiceError when the control socket's name is taken.
+        """
+        self._control = ControlSocket(self._plan.control, self._answer)
+        self._family.write(carried)
+        compiles = any(child.plan.once for child in self.children)
+        name_process("pslv:supervisor")
+        go_first()
+        for child in self.children:
+            if child.is_warm:
+                child.begin(time.monotonic_ns())
+            elif not (compiles and child.plan.after_compile):
+                child.start(time.monotonic_ns())
+                self._stop_without_compiler(child)
+
+    def run(self, is_over: Callable[[], bool]) -> None:
+        """Keep the children running until something is over, or SIGINT or SIGTERM comes."""
         previous = {number: signal.signal(number, self._stop) for number in (signal.SIGINT, signal.SIGTERM)}
         wakeup = signal.set_wakeup_fd(self._wake.fileno(), warn_on_full_buffer=False)
         try:
-            name_process("pslv:supervisor")
-            go_first()
-            for child in self.children:
-                if not child.plan.after_compile:
-                    child.start(time.monotonic_ns())
-                    self._stop_without_compiler(child)
-            while not self._stopping:
+            while not self._stopping and not is_over():
                 self._turn()
         finally:
             signal.set_wakeup_fd(wakeup)
-            self._shut_down()
-            self._log("stopped")
             for number, handler in previous.items():
                 signal.signal(number, handler)
+
+    def stop(self) -> dict[str, bytes]:
+        """End every child and give everything back. Returns the records with which a restarted service goes on."""
+        if self._control is not None:
+            self._control.close()
+        for child in self._all:
+            child.signal(signal.SIGTERM)
+        deadline = time.monotonic() + STOP_PATIENCE_S
+        while time.monotonic() < deadline and not all(
+            child.process is None or child.has_ended() for child in self._all
+        ):
+            time.sleep(0.01)
+        for child in self._all:
+            child.stop_for_good()
+        self._restart.close()
+        readings = {name: self._store.reader(name).read(monotonic()) for name in CARRIED if name in self._store.specs}
+        self._family.close()
+        self._woken.close()
+        self._wake.close()
+        return {name: reading.value for name, reading in readings.items() if reading}
+
+    @property
+    def exit_status(self) -> int:
+        """Of the service, when it was stopped."""
         return 2 if self._failed else 0
 
     def _turn(self) -> None:
@@ -107,8 +170,18 @@ class Supervisor:
             self._log(f"{running} of {sum(not child.plan.once for child in self.children)} processes run")
         if self._complete:
             self.spares.refill(self.children, now)
+        assert self._control is not None
         self._control.close_slow(now)
+        self._follow_restart()
         self._publish(now)
+
+    def _follow_restart(self) -> None:
+        """Take note of a request to restart the service, and of what its check found."""
+        if self._request is not None and self._request.sequence != self._requests:
+            self._requests = self._request.sequence
+            reading = self._request.read(monotonic())
+            self._restart.request(json.loads(reading.value)["who"] if reading else "somebody")
+        self._restart.follow(is_complete=self._complete)
 
     def _tick_s(self) -> float:
         """Time until the next check [s]: until a heartbeat is overdue or a start is due."""
@@ -120,6 +193,7 @@ class Supervisor:
     def _wait(self, tick_s: float) -> None:
         poller = select.poll()
         poller.register(self._woken, select.POLLIN)
+        assert self._control is not None
         for descriptor in self._control.descriptors(time.monotonic_ns()):
             poller.register(descriptor, select.POLLIN)
         for child in self._all:
@@ -190,7 +264,8 @@ class Supervisor:
 
     def _publish(self, now: int) -> None:
         """Write the table of processes when it has changed, and every PUBLISH_EVERY_S as the supervisor's heartbeat."""
-        table = json.dumps({"processes": [child.row() for child in self._all]}).encode()
+        rows = [child.row() for child in self._all]
+        table = json.dumps({"processes": rows, "restart": self._restart.row()}).encode()
         before, written = self._published
         if table != before or now - written > PUBLISH_EVERY_S * NS_PER_S:
             self._published = table, now
@@ -202,12 +277,19 @@ class Supervisor:
             case {"do": "attach"}:
                 records = [asdict(spec) for spec in self._plan.records]
                 answer = {"boot": self._plan.boot, "records": records, "control": self._plan.control}
-                return answer, (self._read_only_block,)
+                return answer, (self._family.read_only_block,)
             case {"do": "restart", "name": str(name)}:
-                return self._restart(name), ()
-        return {"error": "no such request", "accepted": '{"do": "attach"}, {"do": "restart", "name": ...}'}, ()
+                return self._start_again(name), ()
+            case {"do": "restart"}:
+                self._restart.request("the command line")
+                self._publish(time.monotonic_ns())
+                return {"restart": self._restart.row()}, ()
+        return {
+            "error": "no such request",
+            "accepted": '{"do": "attach"}, {"do": "restart"}, with "name" one process',
+        }, ()
 
-    def _restart(self, name: str) -> dict[str, Any]:
+    def _start_again(self, name: str) -> dict[str, Any]:
         """Start a disabled process again."""
         disabled = [child for child in self._all if child.state == ProcessState.DISABLED and not child.plan.once]
         for child in disabled:
@@ -218,65 +300,8 @@ class Supervisor:
         accepted = ", ".join(child.plan.name for child in disabled) or "none: no process is disabled"
         return {"error": "it is not disabled", "accepted": accepted}
 
-    def _shut_down(self) -> None:
-        """End every child, then close memory, events and sockets."""
-        self._control.close()
-        for child in self._all:
-            child.signal(signal.SIGTERM)
-        deadline = time.monotonic() + STOP_PATIENCE_S
-        while time.monotonic() < deadline and not all(
-            child.process is None or child.has_ended() for child in self._all
-        ):
-            time.sleep(0.01)
-        for child in self._all:
-            child.stop_for_good()
-        self._store.close()
-        for descriptor in (self._block, self._read_only_block, *self._events.values()):
-            os.close(descriptor)
-        for owned in (self._woken, self._wake, *self._plan.sockets.values()):
-            owned.close()
-
     def _stop(self, _number: int, _frame: object) -> None:
         self._stopping = True
-
-    def _resources(self, plan: ChildPlan) -> ChildResources:
-        """What a child is given."""
-        notify = {
-            record: tuple(self._events[other.name] for other in self._plan.children if record in other.wakes)
-            for record in plan.writes
-        }
-        return ChildResources(
-            process=plan.name,
-            supervisor=os.getpid(),
-            boot=self._plan.boot,
-            block=self._block,
-            records=self._plan.records,
-            wake=self._events.get(plan.name),
-            notify={record: events for record, events in notify.items() if events},
-            sockets={name: self._plan.sockets[name].fileno() for name in plan.sockets},
-        )
-
-    def _heartbeat(self, plan: ChildPlan) -> SlotReader:
-        return self._store.reader(f"{HEARTBEAT}/{plan.name}")
-
-    def _output(self, plan: ChildPlan) -> int | None:
-        """Where a child prints."""
-        output = self._plan.sockets.get(OUTPUT)
-        return None if output is None or LOG in plan.sockets else output.fileno()
-
-    def _spare(self, plan: ChildPlan) -> Child:
-        """A spare may become any child: it inherits every descriptor, and imports the main module of every child."""
-        modules = dict.fromkeys(child.module for child in self._plan.children if child.spared)
-        sockets = [self._plan.sockets[name].fileno() for child in self._plan.children for name in child.sockets]
-        return Child(
-            plan,
-            self._resources(plan),
-            self._heartbeat(plan),
-            arguments=tuple(modules),
-            inherits=(*self._events.values(), *sockets),
-            output=self._output(plan),
-            is_spare=True,
-        )
 
 
 def _consequence(child: Child) -> str:

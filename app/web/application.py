@@ -36,6 +36,7 @@ from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
 from app.web.routes.pages import page_routes, static_files
 from app.web.routes.people import people_routes
+from app.web.routes.restart import restart_routes
 from app.web.routes.settings import settings_routes
 from app.web.routes.tasks import task_routes
 from app.web.routes.teams import team_routes
@@ -107,6 +108,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(api_routes(blackboard, monitor, configuration))
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
     app.include_router(settings_routes(configuration, service))
+    app.include_router(restart_routes(store, blackboard))
     app.include_router(team_routes(configuration, people.team_keys))
     app.include_router(match_routes(configuration))
     app.include_router(login_routes(people, configuration))

@@ -64,7 +64,11 @@ def main(arguments: list[str]) -> int:
             log("processes " + json.dumps(json.loads(reading.value)["processes"]))
 
     supervisor._publish = publish_and_print  # type: ignore[method-assign]
-    return supervisor.run()
+    supervisor.start()
+    supervisor.run(lambda: False)
+    supervisor.stop()
+    log("stopped")
+    return supervisor.exit_status
 
 
 def log(line: str) -> None:

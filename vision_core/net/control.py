@@ -1,4 +1,4 @@
-"""The client side of a service's control socket: read its database, restart a disabled process.
+"""The client side of a service's control socket: read its database, restart a process or all of it.
 
 The service "pslv/<port of its page>" listens at a Unix socket in a folder that only its own user and root can enter:
 see ``control_files``. A request is one line of JSON, and so is the answer; the answer to "attach" also passes a
@@ -64,9 +64,12 @@ def attach_to(name: str) -> Attached:
 
 def restart(name: str, process: str) -> None:
     """Start a disabled process of a service again. Raises ServiceError."""
-    _, descriptors, _ = _ask(name, {"do": "restart", "name": process})
-    for descriptor in descriptors:
-        os.close(descriptor)
+    _ask(name, {"do": "restart", "name": process})
+
+
+def restart_service(name: str) -> None:
+    """Ask for a restart of a whole service; its record ``processes`` says what becomes of it. Raises ServiceError."""
+    _ask(name, {"do": "restart"})
 
 
 def running_services() -> list[str]:

@@ -7,7 +7,7 @@ from enum import StrEnum
 from msgspec.structs import replace
 
 from vision_core.clock import Instant
-from vision_core.rtdb.process_state import ProcessState
+from vision_core.rtdb.process_state import ProcessState, RestartState
 from vision_core.rtdb.task import Task
 from vision_core.settings.layers import Layer
 from vision_core.settings.live import LIVE
@@ -26,7 +26,7 @@ from vision_core.types.objects import Team
 
 @dataclass(frozen=True, slots=True)
 class ServiceInfo:
-    """What does not change while the service runs."""
+    """What does not change until the service is restarted."""
 
     version: str
     boot: Instant
@@ -41,6 +41,8 @@ class ServiceInfo:
     """Path of the file that keeps what is changed on the page."""
     venue: str = "default"
     """Which venue and further file the settings are of, for names of files."""
+    restarts: int = 0
+    """How often the whole service was restarted since ``boot``."""
 
     def task(self, name: str) -> Task:
         """A task's line of the table. Raises KeyError for an unknown name."""
@@ -64,8 +66,25 @@ class ProcessInfo:
 
 
 @dataclass(frozen=True, slots=True)
+class RestartStatus:
+    """The newest wish to restart the whole service."""
+
+    state: RestartState = RestartState.NONE
+    detail: str = ""
+    """Why it was refused, or how far the check is."""
+
+
+@dataclass(frozen=True, slots=True)
+class RestartRequest:
+    """Somebody wants the whole service to be restarted."""
+
+    who: str
+
+
+@dataclass(frozen=True, slots=True)
 class Processes:
     processes: tuple[ProcessInfo, ...]
+    restart: RestartStatus = RestartStatus()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""The states of a process of the service: read by the supervisor, which sets them, and by whatever shows them.
+"""The states of a process and of a restart: set by the supervisor, read by whatever shows them.
 
 Standard library only, as the supervisor is; its transitions are in ``app.supervisor.lifecycle``.
 """
@@ -26,3 +26,15 @@ class ProcessState(StrEnum):
 
 SETTLED = frozenset({ProcessState.RUNNING, ProcessState.DONE, ProcessState.DISABLED})
 """States that do not change by themselves."""
+
+
+class RestartState(StrEnum):
+    """What became of the newest request to restart the whole service."""
+
+    NONE = "none"
+    """There was none since the start or the last restart."""
+    CHECKING = "checking"
+    """Whether the service would start is being found out; it goes on meanwhile."""
+    REFUSED = "refused"
+    """It would not start, so it goes on as it is."""
+    RESTARTING = "restarting"

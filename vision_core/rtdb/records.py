@@ -3,7 +3,8 @@
 | record | written by | contains |
 | --- | --- | --- |
 | service | supervisor | version, start, addresses, the settings |
-| processes | supervisor | state of every process |
+| processes | supervisor | state of every process, and of a restart of the service |
+| restart_request | web | that the service is to be restarted |
 | frames/<camera> | capture | the newest images |
 | source/<camera> | capture | the camera's name, rate and kind |
 | sightings/<camera> | perceive | robots and balls of one frame |
@@ -36,6 +37,7 @@ from vision_core.rtdb.infos import (
     FrameRequest,
     LiveSettings,
     Processes,
+    RestartRequest,
     SelfTest,
     ServiceInfo,
     Serving,
@@ -55,8 +57,11 @@ WATCHED_S = 2.0
 """Validity of the records of watchers: with the default settings each runs every 0.8 s or more often. The record of a
 watcher that is slowed further is invalid between two runs."""
 SERVICE = packed("service", ServiceInfo, 196608, 0.0)
-PROCESSES = Item(  # the supervisor is standard library only
+PROCESSES = Item(  # JSON, since the supervisor is standard library only
     RecordSpec("processes", 16384, 3.0), msgspec.json.Encoder(), msgspec.json.Decoder(Processes)
+)
+RESTART_REQUEST = Item(
+    RecordSpec("restart_request", 512, 0.0), msgspec.json.Encoder(), msgspec.json.Decoder(RestartRequest)
 )
 WORLD: Item[World] = tabled("world", WorldTable, 0.25)
 VIEWS: Item[Views] = tabled("views", ViewsTable, 0.25)

@@ -11,3 +11,5 @@ that starts it needs. So their names stand here.
 COMPILE, LOG_READER, PREFLIGHT, PROCESS, RESPONDER, SPARE = (
     f"{__name__}.{name}" for name in ("compile", "log_reader", "preflight", "process", "responder", "spare")
 )
+WITHOUT_SOURCE = "--without-source"
+"""Argument of PREFLIGHT: do not open the source."""

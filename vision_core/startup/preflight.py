@@ -19,6 +19,7 @@ from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.admission import Admission
 from vision_core.scheduling.attachment import end_with
 from vision_core.settings.schema import Settings
+from vision_core.startup import WITHOUT_SOURCE
 
 
 def main() -> int:
@@ -28,6 +29,8 @@ def main() -> int:
     camera = CameraSetup.from_settings(settings)
     try:
         check_tasks(settings, camera)
+        if WITHOUT_SOURCE in sys.argv:
+            return 0
         source = open_source(settings, camera, MonotonicClock())
         if isinstance(source, Pictures):
             for skipped in source.check():

@@ -10,7 +10,7 @@ from app.web.reports.base import Report
 from app.web.reports.camera import CameraReport, camera_from
 from app.web.reports.clients import ClientReport, Lags, clients_from, lags_from
 from app.web.reports.machine import MachineReport, machine_from
-from app.web.reports.processes import ProcessReport, processes_from
+from app.web.reports.processes import ProcessReport, RestartReport, processes_from, restart_from
 from app.web.reports.source import SourceReport, source_from
 from app.web.reports.waiting import WaitingReport, waiting_from
 from vision_core.clock import Instant, seconds_between
@@ -79,6 +79,7 @@ class Status(Report):
     selftest: MachineReport | None
     """null where no self-test was made."""
     processes: list[ProcessReport]
+    restart: RestartReport
 
 
 def status_from(snapshot: ServiceSnapshot, health: Health) -> Status:
@@ -102,6 +103,7 @@ def status_from(snapshot: ServiceSnapshot, health: Health) -> Status:
         waiting=waiting_from(snapshot),
         selftest=machine_from(snapshot),
         processes=processes_from(snapshot),
+        restart=restart_from(snapshot),
     )
 
 

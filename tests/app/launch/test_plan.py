@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from app.launch.plan import plan_service, prepare_kernel_folder
+from app.launch.plan import plan_service, prepare_kernel_folder, service_info
+from app.launch.prepared import Prepared
+from app.launch.sockets import open_sockets
 from app.supervisor.plan import ChildPlan, ServicePlan
+from vision_core.clock import Instant
 from vision_core.errors import ServiceError
 from vision_core.native import kernel_folder
 from vision_core.native.kernel_folder import VARIABLE
@@ -30,7 +33,9 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def plan() -> Iterator[ServicePlan]:
     """Of the default settings, on free ports."""
     layers = layers_of(options={"server.port": 0, "server.udp_port": 0})
-    made, _ = plan_service(settings_from_layers(layers), "1", layers, Path("venue.db"), "default")
+    prepared = Prepared(settings_from_layers(layers), layers, Path("venue.db"), "default")
+    sockets = open_sockets(prepared.settings.server)
+    made = plan_service(service_info(prepared, sockets, version="1", boot=Instant(1), restarts=0), sockets)
     yield made
     for opened in made.sockets.values():
         opened.close()

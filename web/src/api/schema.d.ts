@@ -332,6 +332,32 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/restart": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Restart
+         * @description What became of the newest request to restart the service.
+         */
+        get: operations["restart_api_v1_restart_get"];
+        put?: never;
+        /**
+         * Request Restart
+         * @description Asks for a restart of the whole service: files are read again, and settings that wait for a restart take
+         *     effect. First it is checked that the service would start, while it goes on; if not, it stays as it is and GET
+         *     says why. Clients keep their sessions, ports and Time; they get no views for a few seconds.
+         */
+        post: operations["request_restart_api_v1_restart_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/settings": {
         parameters: {
             query?: never;
@@ -1785,6 +1811,33 @@ export interface components {
             address: string;
         };
         /**
+         * RestartReport
+         * @description The newest request to restart the whole service.
+         */
+        RestartReport: {
+            /**
+             * Count
+             * @description How often the whole service was restarted since it was started.
+             */
+            count: number;
+            /**
+             * Detail
+             * @description Why it was refused, or how far the check is.
+             */
+            detail: string;
+            /**
+             * @description none: there was none since the start or the last restart; checking: whether the service would start is being
+             *     found out, while it goes on; refused: it would not start, so it goes on as it is; restarting.
+             */
+            state: components["schemas"]["RestartState"];
+        };
+        /**
+         * RestartState
+         * @description What became of the newest request to restart the whole service.
+         * @enum {string}
+         */
+        RestartState: "none" | "checking" | "refused" | "restarting";
+        /**
          * RobotBody
          * @description The outline of a team's robots.
          */
@@ -1979,6 +2032,7 @@ export interface components {
              * @description Why no robot is served, a sentence each; empty when ready is true.
              */
             reasons: string[];
+            restart: components["schemas"]["RestartReport"];
             /** @description null where no self-test was made. */
             selftest: components["schemas"]["MachineReport"] | null;
             /** @description null before the source was opened. */
@@ -5565,6 +5619,276 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+        };
+    };
+    restart_api_v1_restart_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RestartReport"];
+                };
+            };
+        };
+    };
+    request_restart_api_v1_restart_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RestartReport"];
                 };
             };
             /** @description Nobody is logged in */
