@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 
 from app.launch.resource_owners import port_holder
-from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
+from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan, log_sockets
 from app.web import PROCESS as WEB_PROCESS
 from vision_core import startup
 from vision_core.clock import Instant
@@ -80,8 +80,7 @@ def plan_service(
         database=str(document),
         venue=venue,
     )
-    log, output = socket.socketpair()
-    output.setblocking(False)
+    log, output = log_sockets()
     plan = ServicePlan(
         children=children,
         records=record_specs(settings, tasks, with_heartbeat),
@@ -152,7 +151,7 @@ def _log_reader() -> ChildPlan:
         name=LOG_READER,
         module=startup.LOG_READER,
         wakes=(),
-        writes=(),
+        writes=("log",),
         sockets=(LOG,),
         after_compile=False,
         once=False,

@@ -63,3 +63,11 @@ class ServicePlan:
     """Name of the service, by which its control socket is found: "pslv/8000"."""
     spare_module: str
     """Main module of a warm spare; ``vision_core.startup.spare`` says what it must do."""
+
+
+def log_sockets() -> tuple[socket.socket, socket.socket]:
+    """LOG and OUTPUT. Whoever reads learns which process has printed, also what was printed before he began."""
+    log, output = socket.socketpair()
+    log.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
+    output.setblocking(False)
+    return log, output

@@ -13,6 +13,7 @@ from typing import Any
 
 from app.supervisor.child import Child
 from app.supervisor.control import Answer, ControlSocket
+from app.supervisor.own_output import OwnOutput, wait_for_end
 from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
 from app.supervisor.priorities import go_first
 from app.supervisor.spares import Spares, spare_plans
@@ -40,7 +41,6 @@ class Supervisor:
         Raises ServiceError when the control socket's name is taken.
         """
         self._plan = plan
-        self._log = log
         self._progress = progress
         self._control = ControlSocket(plan.control, self._answer)
         self._block = create_block(plan.records)
@@ -54,6 +54,8 @@ class Supervisor:
             Child(child, self._resources(child), self._heartbeat(child), output=self._output(child))
             for child in plan.children
         ]
+        self._own_output = OwnOutput(self.children, plan.sockets, log)
+        self._log = self._own_output.say
         self.spares = Spares([self._spare(spare) for spare in spare_plans(plan)])
         self._all = (*self.children, *self.spares.all)
         self._woken, self._wake = socket.socketpair()
@@ -83,7 +85,6 @@ class Supervisor:
         finally:
             signal.set_wakeup_fd(wakeup)
             self._shut_down()
-            self._log("stopped")
             for number, handler in previous.items():
                 signal.signal(number, handler)
         return 2 if self._failed else 0
@@ -221,15 +222,14 @@ class Supervisor:
     def _shut_down(self) -> None:
         """End every child, then close memory, events and sockets."""
         self._control.close()
-        for child in self._all:
+        others = [child for child in self._all if child is not self._own_output.reader]
+        for child in others:
             child.signal(signal.SIGTERM)
-        deadline = time.monotonic() + STOP_PATIENCE_S
-        while time.monotonic() < deadline and not all(
-            child.process is None or child.has_ended() for child in self._all
-        ):
-            time.sleep(0.01)
-        for child in self._all:
+        wait_for_end(others, STOP_PATIENCE_S)
+        for child in others:
             child.stop_for_good()
+        self._log("stopped")
+        self._own_output.end()
         self._store.close()
         for descriptor in (self._block, self._read_only_block, *self._events.values()):
             os.close(descriptor)
