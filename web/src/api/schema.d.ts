@@ -527,8 +527,8 @@ export interface paths {
         };
         /**
          * Support Bundle
-         * @description Everything that somebody needs who is to help: versions, settings, self-test, health, checks, processes, tasks,
-         *     timing, log, changes and one picture; without passwords, tokens, keys and contacts of teams.
+         * @description Everything that somebody needs who is to help: versions, settings, self-test, health, checks, processes,
+         *     tasks, timing, log, changes and one picture; without passwords, tokens, keys and contacts of teams.
          */
         get: operations["support_bundle_api_v1_support_bundle_get"];
         put?: never;
