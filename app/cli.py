@@ -18,6 +18,7 @@ from app.commands.people import passwd, token
 from app.commands.restart import restart
 from app.commands.selftest import selftest
 from app.commands.serve import serve
+from app.commands.support_bundle import support_bundle
 from app.commands.tasks import tasks
 from app.commands.top import top
 from vision_core.errors import PslvError
@@ -28,7 +29,7 @@ app = typer.Typer(
 app.add_typer(config_app, name="config")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
-for command in (serve, tasks, top, restart, passwd, token, selftest, detect, evaluate.evaluate, bench):
+for command in (serve, tasks, top, restart, passwd, token, selftest, detect, evaluate.evaluate, bench, support_bundle):
     app.command()(command)
 app.command(context_settings=CONTEXT, add_help_option=False)(client)
 app.command("compile")(compile_command)

@@ -121,4 +121,4 @@ def _writers(attached: "Attached") -> dict[str, str]:
     for task in table:
         writers |= {f"task/{task.name}": task.name, f"timing/{task.name}": task.name}
     heartbeats = (name for name in attached.store.specs if name.startswith("heartbeat/"))
-    return dict.fromkeys(GIVEN, "supervisor") | {name: name.partition("/")[2] for name in heartbeats} | writers
+    return GIVEN | {name: name.partition("/")[2] for name in heartbeats} | writers

@@ -10,7 +10,7 @@ import msgspec
 
 from app.launch.prepared import Prepared
 from app.launch.sockets import shown_address
-from app.supervisor.plan import LOG, ChildPlan, ServicePlan
+from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan, log_sockets
 from app.web import PROCESS as WEB_PROCESS
 from vision_core import startup
 from vision_core.clock import Instant
@@ -84,11 +84,12 @@ def plan_service(
     compiler = (_compiler(),) if compiles else ()
     children = (_log_reader(), *compiler, _responder(), *_child_plans(info.tasks, info.settings))
     with_heartbeat = (*(child.name for child in children), *SPARES)
+    log, output = log_sockets()
     return ServicePlan(
         children=children,
         records=record_specs(info.settings, info.tasks, with_heartbeat),
         initial={**known, "service": records.SERVICE.encode(info)},
-        sockets=dict(sockets),
+        sockets={**sockets, LOG: log, OUTPUT: output},
         boot=info.boot,
         spares=SPARES,
         control=f"{PREFIX}{sockets['http'].getsockname()[1]}",
@@ -154,7 +155,7 @@ def _log_reader() -> ChildPlan:
         name=LOG_READER,
         module=startup.LOG_READER,
         wakes=(),
-        writes=(),
+        writes=("log",),
         sockets=(LOG,),
         after_compile=False,
         once=False,

@@ -59,7 +59,6 @@ def run_service(start: StartOptions, reports: Reports) -> int:
         while not service.supervisor.is_stopping:
             service.run()
         service.supervisor.stop()
-        reports.log("stopped")
         return service.supervisor.exit_status
 
 

@@ -4,7 +4,6 @@ import errno
 import socket
 
 from app.launch.resource_owners import port_holder
-from app.supervisor.plan import LOG, OUTPUT
 from vision_core.errors import ServiceError
 from vision_core.net.udp import TAKEN, open_server_sockets
 from vision_core.settings.schema import ServerSettings
@@ -15,7 +14,7 @@ ADDRESSES = ("host", "udp_host", "port", "udp_port", "session_port")
 
 
 def open_sockets(server: ServerSettings) -> dict[str, socket.socket]:
-    """Open the page's listening socket, "http", the UDP sockets "main" and "session", and what processes print to.
+    """Open the page's listening socket, "http", and the UDP sockets "main" and "session".
 
     Raises ServiceError, with nothing left open.
     """
@@ -26,9 +25,7 @@ def open_sockets(server: ServerSettings) -> dict[str, socket.socket]:
     except ServiceError as error:
         http.close()
         raise _with_holder(error, server.udp_port, server.session_port or server.udp_port + 1) from None
-    log, output = socket.socketpair()
-    output.setblocking(False)
-    return {"http": http, "main": main, "session": session, LOG: log, OUTPUT: output}
+    return {"http": http, "main": main, "session": session}
 
 
 def _listen(host: str, port: int) -> socket.socket:

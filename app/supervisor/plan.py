@@ -54,7 +54,8 @@ class ServicePlan:
     initial: dict[str, bytes]
     """First values of records that the supervisor writes."""
     sockets: dict[str, socket.socket]
-    """Sockets that were opened for the children, by name; who opened them closes them."""
+    """Sockets that were opened for the children, by name. LOG and OUTPUT are the plan's own; who opened the
+    others closes them."""
     boot: int
     """Start of the service [ns of CLOCK_MONOTONIC]."""
     spares: tuple[str, ...]
@@ -66,3 +67,11 @@ class ServicePlan:
     check: tuple[str, ...] = ()
     """Command that finds out whether the service could be restarted: what it prints last on standard output says why
     not, when its exit status is not 0. Without it the service cannot be restarted as a whole."""
+
+
+def log_sockets() -> tuple[socket.socket, socket.socket]:
+    """LOG and OUTPUT. Whoever reads learns which process has printed, also what was printed before he began."""
+    log, output = socket.socketpair()
+    log.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
+    output.setblocking(False)
+    return log, output

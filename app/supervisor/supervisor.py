@@ -15,6 +15,7 @@ from typing import Any
 from app.supervisor.child import Child
 from app.supervisor.control import Answer, ControlSocket
 from app.supervisor.family import Family
+from app.supervisor.own_output import OwnOutput, wait_for_end
 from app.supervisor.plan import ServicePlan
 from app.supervisor.priorities import go_first
 from app.supervisor.restart import CARRIED, Restart
@@ -39,14 +40,15 @@ class Supervisor:
     def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None]) -> None:
         """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done."""
         self._plan = plan
-        self._log = log
         self._progress = progress
         self._family = Family(plan)
         self._store = self._family.store
         self.children, self.spares, self._all = self._family.children, self._family.spares, self._family.all
         self._control: ControlSocket | None = None
         self._processes = self._store.writer("processes")
-        self._restart = Restart(plan.check, log)
+        self._own_output = OwnOutput(self.children, plan.sockets, log)
+        self._log = self._own_output.say
+        self._restart = Restart(plan.check, self._log)
         self._request = self._store.reader(REQUEST) if REQUEST in self._store.specs else None
         self._woken, self._wake = socket.socketpair()
         self._woken.setblocking(False)
@@ -130,16 +132,16 @@ class Supervisor:
         """End every child and give everything back. Returns the records with which a restarted service goes on."""
         if self._control is not None:
             self._control.close()
-        for child in self._all:
+        others = [child for child in self._all if child is not self._own_output.reader]
+        for child in others:
             child.signal(signal.SIGTERM)
-        deadline = time.monotonic() + STOP_PATIENCE_S
-        while time.monotonic() < deadline and not all(
-            child.process is None or child.has_ended() for child in self._all
-        ):
-            time.sleep(0.01)
-        for child in self._all:
+        wait_for_end(others, STOP_PATIENCE_S)
+        for child in others:
             child.stop_for_good()
         self._restart.close()
+        if not self.is_restarting or self._stopping:
+            self._log("stopped")
+        self._own_output.end()
         readings = {name: self._store.reader(name).read(monotonic()) for name in CARRIED if name in self._store.specs}
         self._family.close()
         self._woken.close()

@@ -38,6 +38,7 @@ from app.web.routes.pages import page_routes, static_files
 from app.web.routes.people import people_routes
 from app.web.routes.restart import restart_routes
 from app.web.routes.settings import settings_routes
+from app.web.routes.support import support_routes
 from app.web.routes.tasks import task_routes
 from app.web.routes.teams import team_routes
 from app.web.routes.timing import timing_routes
@@ -52,8 +53,8 @@ DESCRIPTION = """What every robot on the field would see, from one ceiling camer
 Robots use UDP; this API is for people and tools. Everybody may read; changes need the operator.
 
 The page uses the WebSocket `/live?topics=status,world`: each message that a client sends is answered by the newest
-messages of these topics, then by `{"topic": "end"}`. Topics: status, world, views, picture, sightings, timing, and
-view/blue/3 for one robot; docs/live.md describes them."""
+messages of these topics, then by `{"topic": "end"}`. Topics: status, world, views, picture, sightings, timing, log
+(for the operator), and view/blue/3 for one robot; docs/live.md describes them."""
 
 
 def create_app(store: Store) -> FastAPI:
@@ -115,6 +116,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(people_routes(people))
     app.include_router(client_routes(blackboard, configuration))
     app.include_router(timing_routes(blackboard, monitor, live))
+    app.include_router(support_routes(blackboard, monitor, configuration))
     app.include_router(page_routes())
     app.include_router(view3d_routes(view3d))
     app.mount("/web", static_files())

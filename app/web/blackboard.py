@@ -16,6 +16,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.catalog import CatalogReader, Snapshot
 from vision_core.rtdb.infos import LAGS, TIMINGS, ServiceInfo, TaskInfo, TaskOverride
 from vision_core.rtdb.items import CameraRecord, Item, Timed
+from vision_core.rtdb.log_record import LOG, ServiceLog
 from vision_core.rtdb.slots import READ_TRIES, SlotReader, SlotView
 from vision_core.rtdb.store import Store
 from vision_core.rtdb.task import Task
@@ -109,6 +110,7 @@ class Blackboard:
         self._tasks = {name: records.task(name).reader(store) for name in self.task_names}
         self._timings = {name: store.reader(records.timing(name).name) for name in self.task_names}
         self._lags = store.reader(records.LAG_HISTOGRAMS.name)
+        self._log = LOG.reader(store)
 
     def now(self) -> Instant:
         """The present instant."""
@@ -136,6 +138,16 @@ class Blackboard:
             tasks={name: timed for name, timed in tasks.items() if timed is not None},
             lags=_counts(self._lags, LAGS, now),
         )
+
+    def log(self) -> ServiceLog:
+        """What the processes have printed. It is large, so ``read`` omits it."""
+        timed = self._log.read(self.now())
+        return timed.value if timed is not None else ServiceLog((), 0, 0)
+
+    @property
+    def log_number(self) -> int:
+        """How often the log was written."""
+        return self._log.sequence
 
     def picture(self) -> Picture | None:
         """A copy of the newest image; None before the first, or when the camera overwrote each copy as it was made."""

@@ -42,6 +42,7 @@ from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Processes, ServiceInfo, Serving, SourceInfo, TaskOverride
 from vision_core.rtdb.items import Item, T
+from vision_core.rtdb.log_record import LOG, LogLevel, LogLine, ServiceLog
 from vision_core.rtdb.store import Store, create_block
 from vision_core.settings.layers import Layer, LayerKind
 from vision_core.settings.schema import Settings
@@ -129,6 +130,7 @@ class FakeService:
         people.close()
         self.put(records.SERVICE, info)
         self.put(records.SELF_TEST, self_test(self.scene.condition))
+        self.put(LOG, ServiceLog(tuple(starting_lines()), 0, 0))
 
     def put(self, item: Item[T], value: T, measured: Instant | None = None) -> None:
         """Write a record."""
@@ -251,6 +253,20 @@ class FakeService:
             robots = (replace(robots[0], id=None, heading_rad=0.0, heading_sd_rad=1.8), *robots[1:])
         things = tuple(ObstacleTrack(x, y, 0.0, 0.0, radius, grabbed) for x, y, radius in self._things())
         return World(self._frames, grabbed, robots, BallTrack(*ball, 0.4, -0.2, 0.002, False, grabbed), things)
+
+
+def starting_lines() -> Iterator[LogLine]:
+    """What a service prints while it starts, and when a process is lost."""
+    printed = (
+        ("supervisor", LogLevel.INFO, "10 of 10 processes run"),
+        ("perceive", LogLevel.WARNING, "SCHED_FIFO 45 is refused: no CAP_SYS_NICE, and ulimit -r is 0"),
+        ("web", LogLevel.INFO, "ready"),
+        ("diagnose", LogLevel.ERROR, "Traceback (most recent call last):"),
+        ("diagnose", LogLevel.ERROR, "ZeroDivisionError: division by zero"),
+        ("supervisor", LogLevel.WARNING, "diagnose ended with exit status 1: it is started again"),
+    )
+    for number, (process, level, text) in enumerate(printed, 1):
+        yield LogLine(number, time.time(), level, process, text)
 
 
 class PageServer:

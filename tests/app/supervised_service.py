@@ -6,13 +6,13 @@ others print.
 
 import json
 import os
-import socket
 import sys
 
-from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan
+from app.supervisor.plan import LOG, OUTPUT, ChildPlan, ServicePlan, log_sockets
 from app.supervisor.supervisor import Supervisor
 from vision_core import startup
 from vision_core.rtdb.layout import RecordSpec
+from vision_core.rtdb.log_record import LOG as LOG_RECORD
 from vision_core.rtdb.task import ORDINARY_MAX_RUN_S
 from vision_core.scheduling.attachment import monotonic
 
@@ -37,10 +37,13 @@ def main(arguments: list[str]) -> int:
         for name in names
     )
     with_heartbeat = (*names, *spares)
-    specs = (RecordSpec("processes", 16384, 0.0), *(RecordSpec(f"heartbeat/{name}", 8, 0.0) for name in with_heartbeat))
+    specs = (
+        RecordSpec("processes", 16384, 0.0),
+        LOG_RECORD.spec,
+        *(RecordSpec(f"heartbeat/{name}", 8, 0.0) for name in with_heartbeat),
+    )
     control = f"pslv/test-{os.getpid()}"
-    log_end, output = socket.socketpair()
-    output.setblocking(False)
+    log_end, output = log_sockets()
     plan = ServicePlan(
         children=children,
         records=specs,
@@ -67,7 +70,6 @@ def main(arguments: list[str]) -> int:
     supervisor.start()
     supervisor.run(lambda: False)
     supervisor.stop()
-    log("stopped")
     return supervisor.exit_status
 
 

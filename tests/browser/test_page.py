@@ -1,7 +1,9 @@
 """The page in a browser, on a fake service: every page in both themes and three sizes, and a referee's evening."""
 
 import re
+import zipfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,10 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from app.web.auth.people import People
-from tests.app.fake_service import STATES, FakeService, PageServer, Scene, wait_for
+from tests.app.fake_service import STATES, FakeService, PageServer, Scene, starting_lines, wait_for
 from tests.conftest import ROOT
 from vision_core.rtdb import records
+from vision_core.rtdb.log_record import LOG, ServiceLog
 
 pytestmark = [pytest.mark.browser, pytest.mark.usefixtures("built_page")]
 
@@ -24,6 +27,7 @@ PAGES = {
     "/camera": "Camera",
     "/settings": "Settings",
     "/timing": "Timing",
+    "/logs": "Logs",
     "/about": "About",
     "/login": "Log in",
 }
@@ -269,3 +273,64 @@ def test_a_service_that_says_nothing_is_seen_on_every_page_within_a_second(
 async def _nothing(*_arguments: object) -> bool:
     """Makes no message."""
     return False
+
+
+def log_of(count: int, left_out: int = 0) -> ServiceLog:
+    """A log of the lines of a start, again and again."""
+    pattern = list(starting_lines())
+    lines = (replace(pattern[n % len(pattern)], number=n + 1, at=1.7e9 + n) for n in range(count))
+    return ServiceLog(tuple(lines), left_out, 0)
+
+
+def test_a_technician_reads_the_log(browser: Browser, service: FakeService, server: PageServer, tmp_path: Path) -> None:
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
+    service.put(LOG, ServiceLog((), 0, 0))
+    watched = opened(context, server, link(service))
+    page = watched.page
+    page.get_by_role("link", name="Logs").click()
+    expect(page.get_by_text("No process has printed anything yet.")).to_be_visible()
+    service.put(LOG, log_of(120, left_out=7))
+    rows = page.locator(".log tbody tr")
+    expect(rows).to_have_count(120)
+    expect(rows.last).to_be_in_viewport()
+    expect(page.get_by_text("7 lines were left out")).to_be_visible()
+
+    page.get_by_label("Show").select_option("errors only")
+    expect(rows).to_have_count(40)
+    page.get_by_label("with the words").fill("zero")
+    expect(rows).to_have_count(20)
+    expect(rows.first).to_contain_text("error")
+    expect(rows.first).to_contain_text("ZeroDivisionError: division by zero")
+    page.get_by_role("button", name="Copy").click()
+    expect(page.get_by_text("Copied.").first).to_be_visible()
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert copied.count("error diagnose: ZeroDivisionError: division by zero\n") == 20
+    page.get_by_label("with the words").fill("nowhere")
+    expect(page.get_by_text("No line fits what is chosen above.")).to_be_visible()
+
+    page.get_by_label("with the words").fill("")
+    page.get_by_label("Show").select_option("everything")
+    expect(rows.last).to_be_in_viewport()
+    follows = page.get_by_label("Follow the newest")
+    page.get_by_role("region", name="Lines of the log").hover()
+    page.mouse.wheel(0, -600)
+    expect(follows).not_to_be_checked()
+    service.put(LOG, log_of(121))
+    expect(rows).to_have_count(121)
+    expect(rows.last).not_to_be_in_viewport()
+    follows.check()
+    expect(rows.last).to_be_in_viewport()
+
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Download the support bundle").click()
+    saved = tmp_path / "bundle.zip"
+    download.value.save_as(saved)
+    assert download.value.suggested_filename.startswith("pslv-support-")
+    with zipfile.ZipFile(saved) as bundle:
+        assert "README.txt" in bundle.namelist()
+    page.get_by_role("button", name="Log out").click()
+    expect(page.get_by_text("Only the operator can read the log.")).to_be_visible()
+    expect(page.locator(".pill")).to_contain_text(re.compile("ready|degraded"))
+    assert [words for words in watched.complaints if "404" not in words] == []
+    context.close()

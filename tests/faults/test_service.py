@@ -1,6 +1,7 @@
 """The real service through its front door: start, clients, killed processes, bad input, stop."""
 
 import contextlib
+import io
 import json
 import os
 import re
@@ -9,6 +10,7 @@ import socket
 import subprocess
 import sys
 import time
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -124,6 +126,53 @@ def test_a_lost_process_comes_back_and_sessions_go_on(
         now = service.pids()
         assert {key: now[key] for key in PROCESSES - {name}} == {key: others[key] for key in PROCESSES - {name}}
         client.sendto(b"(bye)", server)
+
+
+def log_until(service: RunningService, text: str, query: str = "") -> dict[str, str]:
+    """Process and level of the newest line of the log with a text."""
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        lines = service.get(f"/api/v1/log{query}")[1]["lines"]
+        found = [line for line in lines if text in line["text"]]
+        if found:
+            return {key: found[-1][key] for key in ("process", "level")}
+        assert time.monotonic() < deadline, (text, lines)
+        time.sleep(0.1)
+
+
+def test_the_log_tells_what_every_process_says(service: RunningService) -> None:
+    assert log_until(service, "processes run") == {"process": "supervisor", "level": "info"}
+    assert log_until(service, "ready", "?process=web")["process"] == "web"
+    until_settled(service, spares=1)
+    os.kill(service.pids()["diagnose"], signal.SIGKILL)
+    ended = "diagnose (explains why something is not seen) ended with signal SIGKILL"
+    assert log_until(service, ended, "?level=warning") == {"process": "supervisor", "level": "warning"}
+    until_settled(service, spares=1)
+
+
+def test_a_log_reader_that_is_lost_comes_back_and_goes_on(service: RunningService) -> None:
+    until_settled(service)
+    before = service.get("/api/v1/log")[1]["lines"]
+    os.kill(service.pids()["log_reader"], signal.SIGKILL)
+    assert log_until(service, "log_reader (prints what the others print) ended")["process"] == "supervisor"
+    after = service.get("/api/v1/log")[1]["lines"]
+    assert [line["number"] for line in after[: len(before)]] == [line["number"] for line in before]
+    until_settled(service)
+
+
+def test_a_support_bundle_of_the_page_and_of_the_command_line(service: RunningService, tmp_path: Path) -> None:
+    until_settled(service)
+    code, packed = service.get("/api/v1/support-bundle")
+    assert code == 200
+    path = tmp_path / "bundle.zip"
+    command = [sys.executable, "-m", "app.main", "support-bundle", "--service", service.control, str(path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(io.BytesIO(packed)) as first, zipfile.ZipFile(path) as second:
+        assert first.namelist() == second.namelist()
+        assert "processes run" in second.read("log.txt").decode()
+        assert second.read("snapshot.jpg").startswith(b"\xff\xd8")
+        assert service.token not in (first.read("log.txt") + first.read("changes.json")).decode()
 
 
 def test_malformed_datagrams_hurt_nobody(service: RunningService) -> None:

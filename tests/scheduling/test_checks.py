@@ -27,7 +27,7 @@ def test_two_writers_are_named() -> None:
     second = changed(LINES, name="again")
     assert found(*SOUND, second) == [("tasks.again.writes", "lines, which lines writes")]
     assert found(*SOUND, changed(LINES, name="x", writes=("service",))) == [
-        ("tasks.x.writes", "service, which the supervisor writes")
+        ("tasks.x.writes", "service, which the service itself writes")
     ]
 
 

@@ -9,7 +9,9 @@ from collections.abc import Iterator
 import pytest
 
 from vision_core.clock import Instant, after
+from vision_core.startup.log_book import LogBook
 from vision_core.startup.log_reader import MAX_LINE, MAX_LINES, PERIOD_S, LogReader
+from vision_core.startup.process_names import unnamed
 
 NOW = Instant(1_000_000_000)
 LATER = after(NOW, PERIOD_S + 0.1)
@@ -23,7 +25,8 @@ class Printing:
         self.printed, self.descriptor = os.pipe()
         os.set_blocking(self.printed, False)
         self.output.setblocking(False)
-        self.reader = LogReader(source, self.descriptor)
+        self.book = LogBook()
+        self.reader = LogReader(source, self.descriptor, self.book, unnamed)
         self.source = source
 
     def read_all(self, now: Instant = NOW) -> None:
@@ -94,6 +97,37 @@ def test_who_does_not_read_delays_nobody(printing: Printing) -> None:
     assert 0 < len(printing.lines()) < MAX_LINES
     printing.reader.end()
     assert printing.lines()[-1].endswith(b"were left out")
+
+
+def test_what_is_printed_is_kept_also_when_nobody_reads_it(printing: Printing) -> None:
+    line = b"z" * 999 + b"\n"
+    for _ in range(MAX_LINES - 1):
+        printing.output.send(line)
+        printing.read_all()
+    printing.output.send(b"the last one\n" * 3)
+    printing.read_all()
+    log = printing.book.record()
+    assert {kept.process for kept in log.lines} == {f"process {os.getpid()}"}
+    assert [kept.times for kept in log.lines] == [MAX_LINES - 1, 1]
+    assert log.lines[1].text == "the last one"
+    assert log.left_out == 2
+
+
+def test_what_a_stranger_sent_does_nothing_to_who_reads_it(printing: Printing) -> None:
+    printing.output.send("\x1b[2J\x07up\r\x00\x9b31m \u202egnorw \xe9\u2028\n".encode() + b"\xff\xfe\n")
+    printing.read_all()
+    first, second = printing.lines()
+    assert first.decode() == r"\x1b[2J\x07up\r\x00\x9b31m \u202egnorw é\u2028"
+    assert second == rb"\xff\xfe"
+    assert [line.text for line in printing.book.record().lines] == [first.decode(), second.decode()]
+
+
+def test_it_ends_when_nobody_can_print_any_more(printing: Printing) -> None:
+    printing.output.send(b"last words\n")
+    printing.output.close()
+    printing.read_all()
+    assert printing.reader.has_ended
+    assert printing.lines() == [b"last words"]
 
 
 def test_a_reader_that_stands_still_loses_lines_and_stops_no_writer(printing: Printing) -> None:

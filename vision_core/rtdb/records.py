@@ -21,6 +21,7 @@
 | frame_requests/<camera> | capture | which image a simulated camera or a file is to deliver next |
 | frames_done/<camera> | source | that this image is in its slot |
 | lags | serve | histograms of the lags of server, network and clients |
+| log | log_reader | the newest lines that the processes printed: see ``log_record`` |
 | selftest | supervisor | how well this machine keeps time |
 | live_settings | web | the settings that hold from the next frame on |
 | task/<task> | each task | its times, policy and metrics |

@@ -3,7 +3,7 @@
 import math
 import os
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -25,7 +25,7 @@ class TableProblem:
     accepted: str
 
 
-def problems(tasks: Sequence[Task], given: Sequence[str], camera_rate_hz: float) -> list[TableProblem]:
+def problems(tasks: Sequence[Task], given: Collection[str], camera_rate_hz: float) -> list[TableProblem]:
     """Everything that is wrong with a task table. given: names of records that no task of the table writes."""
     return [
         *_writers(tasks, given),
@@ -58,8 +58,8 @@ def load(tasks: Sequence[Task], camera_rate_hz: float) -> float:
     )
 
 
-def _writers(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProblem]:
-    writers = dict.fromkeys(given, "the supervisor")
+def _writers(tasks: Sequence[Task], given: Collection[str]) -> Iterator[TableProblem]:
+    writers = dict.fromkeys(given, "the service itself")
     for task in tasks:
         for record in task.writes:
             if record in writers:
@@ -69,7 +69,7 @@ def _writers(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProbl
             writers.setdefault(record, task.name)
 
 
-def _inputs(tasks: Sequence[Task], given: Sequence[str]) -> Iterator[TableProblem]:
+def _inputs(tasks: Sequence[Task], given: Collection[str]) -> Iterator[TableProblem]:
     written = {*given, *(record for task in tasks for record in task.writes)}
     known = f"a record that is written: {', '.join(sorted(written))}"
     for task in tasks:

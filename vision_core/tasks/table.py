@@ -21,18 +21,19 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.rtdb import records
 from vision_core.rtdb.catalog import catalog
 from vision_core.rtdb.layout import RecordSpec
+from vision_core.rtdb.log_record import LOG
 from vision_core.rtdb.task import DRIVER, NONE, PERIOD, Task
 from vision_core.scheduling.checks import TableProblem, problems
 from vision_core.settings.schema import Settings, TaskSettings
 
-GIVEN = ("service", "processes", "selftest")
-"""Records that the supervisor or a process that runs once writes: no task writes them."""
 COMPILER = "compile"
 """Process that compiles the kernels once, before the tasks start."""
 RESPONDER = "responder"
 """Process that answers clients while the task serve does not run."""
 LOG_READER = "log_reader"
 """Process that prints what the others print."""
+GIVEN = {**dict.fromkeys(("service", "processes", "selftest"), "supervisor"), "log": LOG_READER}
+"""Records that no task writes, and which process does."""
 SOURCE = "source"
 """Task that plays the camera when the source is no device."""
 RESERVED = (COMPILER, RESPONDER, LOG_READER)
@@ -91,7 +92,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
     watched = [record for task in watchers for record in task.writes]
     shown = [frames, source, sightings, obstacles, *watched, diagnosis]
-    shown += ["processes", "selftest", "world", "views", "serving", "lags"]
+    shown += ["processes", "selftest", "log", "world", "views", "serving", "lags"]
     yield line(
         "web",
         NONE,
@@ -187,6 +188,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
     camera = CameraSetup.from_settings(settings)
     declared = [
         records.SERVICE.spec,
+        LOG.spec,
         *(item.spec for item in catalog(camera.name)),
         *(kind(camera.name).spec for kind in records.HANDSHAKE),
         records.RESTART_REQUEST.spec,

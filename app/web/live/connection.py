@@ -24,7 +24,7 @@ from app.web.closing import close
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import plays
 from app.web.live.delay import Message, is_delayed
-from app.web.live.messages import TOPICS, LiveMessages, is_topic, robot_of
+from app.web.live.messages import OPERATORS_TOPICS, TOPICS, LiveMessages, is_topic, robot_of
 from app.web.live.topics import encoded
 from vision_core.clock import seconds_between
 from vision_core.scheduling.metrics import TaskMetrics
@@ -145,6 +145,8 @@ class Live:
         if unknown or len(wanted) > MAX_TOPICS:
             found = f"{len(wanted)} of them" if len(wanted) > MAX_TOPICS else unknown[0][:30]
             raise RefusedTopicsError(f"topics; found: {found}; accepted: {','.join(TOPICS)},view/COLOR/NUMBER")
+        if not page.is_operator and (closed := OPERATORS_TOPICS.intersection(wanted)):
+            raise RefusedTopicsError(f"only the operator may see {', '.join(closed)}")
         if page.identity.role is Role.TEAM:
             foreign = [topic for topic in wanted if is_delayed(topic) and not self._is_own(page.identity, topic)]
             if foreign:

@@ -14,9 +14,21 @@ from vision_core.protocol.edge_codes import edge_codes
 from vision_core.rtdb import records
 from vision_core.types.objects import Team
 
-EVERY_S = {"status": 0.25, "world": 0.0, "views": 0.0, "picture": 1.0 / 15.0, "sightings": 1.0 / 15.0, "timing": 0.5}
+EVERY_S = {
+    "status": 0.25,
+    "world": 0.0,
+    "views": 0.0,
+    "picture": 1.0 / 15.0,
+    "sightings": 1.0 / 15.0,
+    "timing": 0.5,
+    "log": 0.25,
+}
 """Shortest time between two messages of a topic [s]; 0: with every frame."""
 TOPICS = tuple(EVERY_S)
+OPERATORS_TOPICS = frozenset({"log"})
+"""Topics with addresses of people."""
+ONLY_NEW = ("picture", "log")
+"""Topics without a message when nothing is new."""
 VIEW_PREFIX = "view/"
 MAX_SILENCE_S = 0.25
 """A message of what comes with frames is made at least this often, so that its age is known."""
@@ -93,13 +105,15 @@ class LiveMessages:
             return age_s >= EVERY_S[topic] - SLACK_S
         is_new = self._source(topic) != self._sources.get(topic)
         return (is_new and age_s >= EVERY_S.get(topic, 0.0) - SLACK_S) or (
-            age_s >= MAX_SILENCE_S and topic != "picture"
+            age_s >= MAX_SILENCE_S and topic not in ONLY_NEW
         )
 
     def _source(self, topic: str) -> int:
         """Number of the record that a topic is made of."""
         if topic == "picture":
             return self._blackboard.picture_number
+        if topic == "log":
+            return self._blackboard.log_number
         if topic == "sightings":
             return self._blackboard.sequence_of(records.sightings)
         if topic == "world":
@@ -112,6 +126,7 @@ class LiveMessages:
         make: dict[str, Callable[[], bytes | str | None]] = {
             "picture": self._picture,
             "timing": self._timing,
+            "log": self._log,
             "status": lambda: self._status(pages),
         }
         if topic in make:
@@ -137,6 +152,10 @@ class LiveMessages:
 
     def _timing(self) -> str:
         return topics.timing_message(self._blackboard.read(), self._blackboard.timings())
+
+    def _log(self) -> str:
+        boot, now = self._blackboard.service.boot, self._blackboard.now()
+        return topics.log_message(boot, now, self._blackboard.log())
 
     def _status(self, pages: int) -> str:
         return topics.status_message(self._blackboard.read(), self._monitor, self._configuration, pages)

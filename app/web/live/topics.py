@@ -12,6 +12,7 @@ from app.web.blackboard import Picture, ServiceSnapshot, Timings
 from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
 from app.web.reports.field import Outlines
+from app.web.reports.log import log_from
 from app.web.reports.status import status_from
 from app.web.reports.tasks import tasks_from
 from app.web.reports.timing import timing_from
@@ -23,6 +24,7 @@ from vision_core.protocol.edge_codes import EdgeCodes
 from vision_core.protocol.messages import Ball, See
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Timed
+from vision_core.rtdb.log_record import ServiceLog
 from vision_core.types.objects import Team
 from vision_core.types.tables import TEAM_NUMBER
 from vision_core.types.tracks import World
@@ -186,3 +188,8 @@ def timing_message(snapshot: ServiceSnapshot, timings: Timings) -> str:
         tasks=[task.model_dump() for task in tasks_from(snapshot)],
         timing=timing_from(timings, snapshot.camera.shutter_delay_ms).model_dump(),
     )
+
+
+def log_message(boot: Instant, now: Instant, log: ServiceLog) -> str:
+    """What the processes have printed."""
+    return encoded("log", boot, now, **log_from(log).model_dump())

@@ -24,6 +24,7 @@ ADDRESSES = (
     "/3d",
     "/settings",
     "/timing",
+    "/logs",
     "/about",
     "/login",
 )

@@ -17,6 +17,7 @@ from tests.conftest import ROOT
 from vision_core.clock import MonotonicClock
 from vision_core.errors import ServiceError
 from vision_core.net.control import attach_to, restart
+from vision_core.rtdb.log_record import LOG
 
 Table = dict[str, dict[str, Any]]
 PATIENCE_S = 30.0
@@ -333,3 +334,57 @@ def test_what_processes_print_comes_out_as_whole_lines() -> None:
         assert os.read(printed, 7) == b"a line\n"
     os.close(printed)
     os.close(output)
+
+
+@pytest.mark.slow
+def test_what_the_supervisor_says_comes_out_with_what_the_others_print_and_is_kept() -> None:
+    printed, output = os.pipe()
+    with service("reader", "one", stderr=output) as started:
+        before = started.running("reader", "one")["one"]["pid"]
+        os.kill(before, signal.SIGKILL)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        started.running("one")
+        attached = attach_to(started.control)
+        reader = LOG.reader(attached.store)
+        started.until(lambda _table: "one ended" in str(reader.read(MonotonicClock().now())))
+        kept = reader.value(MonotonicClock().now()).lines
+        attached.close()
+        started.process.send_signal(signal.SIGTERM)
+        assert started.process.wait(timeout=PATIENCE_S) == 0
+    os.close(output)
+    with os.fdopen(printed) as pipe:
+        lines = pipe.read().splitlines()
+    ended = "one ended with signal SIGKILL: it is started again"
+    assert ("supervisor", "warning", ended) in [(line.process, line.level, line.text) for line in kept]
+    assert ended in lines
+    assert lines[-1] == "stopped"
+
+
+@pytest.mark.slow
+def test_a_log_reader_that_stands_still_delays_no_supervisor_and_loses_no_last_words() -> None:
+    printed, output = os.pipe()
+    with service("reader", "one", stderr=output) as started:
+        table = started.running("reader", "one")
+        started.process.send_signal(signal.SIGTERM)
+        os.kill(table["reader"]["pid"], signal.SIGSTOP)
+        assert started.process.wait(timeout=PATIENCE_S) == 0
+        assert started.process.stdout is not None
+        started.log += started.process.stdout.read().splitlines()
+    os.close(output)
+    with os.fdopen(printed) as pipe:
+        said = pipe.read().splitlines() + started.log
+    assert said[-1] == "stopped"
+
+
+@pytest.mark.slow
+def test_the_supervisor_prints_by_itself_when_the_log_reader_is_given_up() -> None:
+    with service("reader", "one") as started:
+        for ends in range(5):
+            table = started.until(
+                lambda table, ends=ends: table["reader"]["state"] == "running" and table["reader"]["restarts"] == ends
+            )
+            os.kill(table["reader"]["pid"], signal.SIGKILL)
+        table = started.until(lambda table: table["reader"]["state"] == "disabled")
+        os.kill(table["one"]["pid"], signal.SIGKILL)
+        started.until(lambda table: table["one"]["restarts"] == 1)
+        assert any(line.startswith("one ended") for line in started.log)

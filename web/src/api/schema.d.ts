@@ -124,6 +124,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/log": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Log
+         * @description The newest lines that the processes printed: of a level and of worse ones, of one process or of all. It may
+         *     contain addresses of people, so it is the operator's.
+         */
+        get: operations["log_api_v1_log_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/login": {
         parameters: {
             query?: never;
@@ -515,6 +536,27 @@ export interface paths {
          * @description The whole service at this instant: state, cameras, clients, lags, processes.
          */
         get: operations["status_api_v1_status_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/support-bundle": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Support Bundle
+         * @description Everything that somebody needs who is to help: versions, settings, self-test, health, checks, processes,
+         *     tasks, timing, log, changes and one picture; without passwords, tokens, keys and contacts of teams.
+         */
+        get: operations["support_bundle_api_v1_support_bundle_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1489,6 +1531,60 @@ export interface components {
         Liveness: {
             /** Status */
             status: string;
+        };
+        /**
+         * LogLevel
+         * @description How bad it is, the worst first.
+         * @enum {string}
+         */
+        LogLevel: "error" | "warning" | "info";
+        /**
+         * LogLineReport
+         * @description A line that a process printed.
+         */
+        LogLineReport: {
+            /**
+             * At
+             * @description When it was printed, the last time if it was repeated [s since 1970].
+             */
+            at: number;
+            /** @description error: something does not work; warning: it works worse than it should; info: any other. */
+            level: components["schemas"]["LogLevel"];
+            /**
+             * Number
+             * @description Counts the lines since the start of the service.
+             */
+            number: number;
+            /** Process */
+            process: string;
+            /**
+             * Text
+             * @description Without control characters, 500 characters at most.
+             */
+            text: string;
+            /**
+             * Times
+             * @description How often in a row it was printed.
+             */
+            times: number;
+        };
+        /**
+         * LogReport
+         * @description The newest lines, the newest last.
+         */
+        LogReport: {
+            /**
+             * Left Out
+             * @description Lines that are missing because a process printed more than its share.
+             */
+            left_out: number;
+            /** Lines */
+            lines: components["schemas"]["LogLineReport"][];
+            /**
+             * Older
+             * @description Lines that made room for newer ones.
+             */
+            older: number;
         };
         /**
          * Login
@@ -3463,6 +3559,259 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Field"];
+                };
+            };
+        };
+    };
+    log_api_v1_log_get: {
+        parameters: {
+            query?: {
+                level?: components["schemas"]["LogLevel"];
+                process?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LogReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
                 };
             };
         };
@@ -7340,6 +7689,256 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Status"];
+                };
+            };
+        };
+    };
+    support_bundle_api_v1_support_bundle_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A zip; its README.txt says what is in it */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": unknown;
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": {
+                        /**
+                         * Accepted
+                         * @description What would be accepted.
+                         */
+                        accepted?: string | null;
+                        /**
+                         * Asked
+                         * @description What a request asked for that was understood and refused.
+                         */
+                        asked?: string | null;
+                        /** Detail */
+                        detail: string;
+                        /**
+                         * Field
+                         * @description The setting or the field of a form that is wrong.
+                         */
+                        field?: string | null;
+                        /**
+                         * Found
+                         * @description What was found instead.
+                         */
+                        found?: string | null;
+                        /**
+                         * Instance
+                         * @description Path of the request.
+                         */
+                        instance: string;
+                        /** Status */
+                        status: number;
+                        /** Title */
+                        title: string;
+                        /**
+                         * Type
+                         * @default about:blank
+                         */
+                        type: string;
+                    };
                 };
             };
         };

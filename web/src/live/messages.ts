@@ -1,6 +1,6 @@
 // What the live connection delivers, by topic; docs/live.md describes every field.
 
-import type { Color, Match, Status, Task, Timing } from "../api/types";
+import type { Color, Log, Match, Status, Task, Timing } from "../api/types";
 
 export interface StatusMessage {
   topic: "status";
@@ -91,6 +91,11 @@ export interface TimingMessage {
   now_s: number;
   tasks: Task[];
   timing: Timing;
+}
+
+export interface LogMessage extends Log {
+  topic: "log";
+  now_s: number;
 }
 
 const PICTURE = 1;
