@@ -30,7 +30,7 @@ _MARKS = (
     (LogLevel.WARNING, r"^([\w.-]+: )?(warning|degraded|ready but degraded)\b"),
     (
         LogLevel.WARNING,
-        r"does not answer|is refused|is not restarted|is damaged|left out$|: it is started again( in [\d.]+ s)?$",
+        r"does not answer|is (refused|not restarted|damaged)|left out$|: it is started again( in [\d.]+ s)?$",
     ),
 )
 MARKS = tuple((level, re.compile(pattern, re.IGNORECASE)) for level, pattern in _MARKS)
