@@ -1,13 +1,13 @@
 """Errors of the API as problem details (RFC 9457): ``application/problem+json``."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from starlette.exceptions import HTTPException
 
 from app.web.reports.base import Report
@@ -71,11 +71,13 @@ def problem_response(
     return JSONResponse(problem.model_dump(exclude_none=True), status, media_type=MEDIA_TYPE)
 
 
-def install_problems(app: FastAPI) -> None:
-    """Answer every error with problem details."""
+def install_problems(app: FastAPI, lost: Callable[[Request], Response | None]) -> None:
+    """Answer every error with problem details. lost: the answer to a request for nothing; None: problem details."""
 
-    async def refused(request: Request, error: Exception) -> JSONResponse:
+    async def refused(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
+        if error.status_code == HTTPStatus.NOT_FOUND and (page := lost(request)) is not None:
+            return page
         parts = error.parts if isinstance(error, RequestRefused) else None
         return problem_response(request, error.status_code, error.detail, parts)
 

@@ -221,6 +221,17 @@ def test_a_lost_connection_and_old_positions_are_said_within_a_second(
     context.close()
 
 
+def test_an_address_that_there_is_not_is_said_in_words(browser: Browser, server: PageServer) -> None:
+    context = browser.new_context()
+    page = context.new_page()
+    answer = page.goto(f"http://{server.address}/mach")
+    assert answer is not None
+    assert answer.status == 404
+    expect(page.locator("h1")).to_have_text("No such page")
+    expect(page.get_by_text("/mach does not exist here")).to_be_visible()
+    context.close()
+
+
 def test_why_the_service_is_not_ready_is_said(browser: Browser) -> None:
     service = FakeService(STATES["crashing"])
     service.start()
