@@ -75,7 +75,7 @@ class _BuiltFiles(StaticFiles):
 
 
 def lost_page(request: Request) -> Response | None:
-    """The page for a browser that goes to an address that there is not: its router says so. None: it is no such case."""
+    """The page for a browser that goes to an address that there is not: its router says so. None: no such case."""
     goes_there = request.method in READING and "text/html" in request.headers.get("accept", "")
     return _file("index.html", 404) if goes_there and not request.url.path.startswith((*GUARDED, "/web/")) else None
 
