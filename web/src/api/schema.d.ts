@@ -1286,9 +1286,11 @@ export interface components {
             };
             /**
              * Mirror M
-             * @description Distance on the floor at 0, 1, 2, ... pixels from the mirror's center [m]; null beyond the horizon.
+             * @description By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon.
              */
-            mirror_m: (number | null)[];
+            mirror_m: {
+                [key: string]: (number | null)[];
+            };
             /** Name */
             name: string;
             /**
