@@ -38,7 +38,9 @@ class ProblemDetails(Report):
     """The setting or the field of a form that is wrong."""
 
 
-PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}}}
+COMPONENT = ProblemDetails.__name__
+PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{COMPONENT}"}}}}
+"""A refusal in the OpenAPI document, which has the model once."""
 REFUSED: dict[int | str, dict[str, Any]] = {
     401: PROBLEM | {"description": "Nobody is logged in"},
     403: PROBLEM | {"description": "Only the operator may change something, from our own page or a program, as JSON"},
@@ -92,6 +94,14 @@ def install_problems(app: FastAPI, lost: Callable[[Request], Response | None]) -
             request, HTTPStatus.INTERNAL_SERVER_ERROR, "a bug in the service; its log has the details"
         )
 
+    describe = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        document = describe()
+        document["components"]["schemas"].setdefault(COMPONENT, ProblemDetails.model_json_schema())
+        return document
+
+    app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's own way to extend the document
     app.add_exception_handler(HTTPException, refused)
     app.add_exception_handler(RequestValidationError, invalid)
     app.add_exception_handler(Exception, failed)

@@ -261,6 +261,20 @@ def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
     assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected, ")
 
 
+def test_refusals_are_described_once() -> None:
+    described = document()
+    contents = [
+        response["content"][MEDIA_TYPE]["schema"]
+        for methods in described["paths"].values()
+        for operation in methods.values()
+        for response in operation["responses"].values()
+        if MEDIA_TYPE in response.get("content", {})
+    ]
+    assert len(contents) > 100
+    assert all(schema == {"$ref": "#/components/schemas/ProblemDetails"} for schema in contents)
+    assert described["components"]["schemas"]["ProblemDetails"]["properties"].keys() >= {"detail", "accepted"}
+
+
 def test_field_has_what_the_page_draws(http: httpx.Client) -> None:
     field = http.get("/api/v1/field").json()
     assert field["edge_types"]["robot_yellow"]["code"] == 48

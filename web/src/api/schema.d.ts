@@ -371,10 +371,10 @@ export interface paths {
         options?: never;
         head?: never;
         /**
-         * Change
+         * Change Settings
          * @description Changes settings. Those that can be are applied at the next frame; the others wait for a restart.
          */
-        patch: operations["change_api_v1_settings_patch"];
+        patch: operations["change_settings_api_v1_settings_patch"];
         trace?: never;
     };
     "/api/v1/settings/export": {
@@ -618,10 +618,10 @@ export interface paths {
         };
         get?: never;
         /**
-         * Change
+         * Change Team
          * @description Changes a team; while it plays, its robots' markers take effect at the next frame.
          */
-        put: operations["change_api_v1_teams__slug__put"];
+        put: operations["change_team_api_v1_teams__slug__put"];
         post?: never;
         /**
          * Delete
@@ -1800,6 +1800,52 @@ export interface components {
             role: components["schemas"]["Role"];
         };
         /**
+         * ProblemDetails
+         * @description Why a request failed.
+         */
+        ProblemDetails: {
+            /**
+             * Accepted
+             * @description What would be accepted.
+             * @default null
+             */
+            accepted: string | null;
+            /**
+             * Asked
+             * @description What a request asked for that was understood and refused.
+             * @default null
+             */
+            asked: string | null;
+            /** Detail */
+            detail: string;
+            /**
+             * Field
+             * @description The setting or the field of a form that is wrong.
+             * @default null
+             */
+            field: string | null;
+            /**
+             * Found
+             * @description What was found instead.
+             * @default null
+             */
+            found: string | null;
+            /**
+             * Instance
+             * @description Path of the request.
+             */
+            instance: string;
+            /** Status */
+            status: number;
+            /** Title */
+            title: string;
+            /**
+             * Type
+             * @default about:blank
+             */
+            type: string;
+        };
+        /**
          * ProcessReport
          * @description One process of the service; ``/api/v1/tasks`` reports what runs in it.
          */
@@ -2490,44 +2536,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -2536,44 +2545,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -2582,44 +2554,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -2628,44 +2563,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -2674,44 +2572,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -2742,44 +2603,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -2788,44 +2612,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -2834,44 +2621,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -2880,44 +2630,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -2926,44 +2639,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -2994,44 +2670,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3040,44 +2679,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3086,44 +2688,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3132,44 +2697,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3178,44 +2706,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -3265,44 +2756,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3311,44 +2765,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3357,44 +2774,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3403,44 +2783,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3449,44 +2792,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -3792,44 +3098,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3838,44 +3107,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3884,44 +3116,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3930,44 +3125,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3976,44 +3134,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Too many failures; the header Retry-After says when to try again */
@@ -4022,44 +3143,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4130,44 +3214,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4176,44 +3223,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4222,44 +3232,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4268,44 +3241,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4314,44 +3250,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4384,44 +3283,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4430,44 +3292,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4476,44 +3301,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4522,44 +3310,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4568,44 +3319,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4638,44 +3352,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4684,44 +3361,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4730,44 +3370,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4776,44 +3379,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4822,44 +3388,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4914,44 +3443,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4960,44 +3452,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5006,44 +3461,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5052,44 +3470,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5098,44 +3479,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5166,44 +3510,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5212,44 +3519,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5258,44 +3528,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5304,44 +3537,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5350,44 +3546,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5418,44 +3577,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5464,44 +3586,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5510,44 +3595,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5556,44 +3604,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5602,44 +3613,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5672,44 +3646,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5718,44 +3655,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5764,44 +3664,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5810,44 +3673,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5856,44 +3682,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5924,44 +3713,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5970,44 +3722,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6016,44 +3731,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6062,44 +3740,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6108,44 +3749,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -6170,7 +3774,7 @@ export interface operations {
             };
         };
     };
-    change_api_v1_settings_patch: {
+    change_settings_api_v1_settings_patch: {
         parameters: {
             query?: never;
             header?: never;
@@ -6198,44 +3802,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6244,44 +3811,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6290,44 +3820,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6336,44 +3829,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6382,44 +3838,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -6505,44 +3924,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6551,44 +3933,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6597,44 +3942,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6643,44 +3951,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6689,44 +3960,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -6759,44 +3993,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6805,44 +4002,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6851,44 +4011,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6897,44 +4020,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6943,44 +4029,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7013,44 +4062,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -7059,44 +4071,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -7105,44 +4080,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -7151,44 +4089,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -7197,44 +4098,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7263,44 +4127,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description No image yet */
@@ -7309,44 +4136,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7667,44 +4457,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -7713,44 +4466,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -7759,44 +4475,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -7805,44 +4484,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -7851,44 +4493,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7923,44 +4528,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -7969,44 +4537,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8015,44 +4546,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8061,44 +4555,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8107,44 +4564,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -8197,44 +4617,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8243,44 +4626,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8289,44 +4635,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8335,44 +4644,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8381,49 +4653,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
     };
-    change_api_v1_teams__slug__put: {
+    change_team_api_v1_teams__slug__put: {
         parameters: {
             query?: never;
             header?: never;
@@ -8453,44 +4688,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8499,44 +4697,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8545,44 +4706,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8591,44 +4715,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8637,44 +4724,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -8705,44 +4755,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8751,44 +4764,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8797,44 +4773,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8843,44 +4782,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8889,44 +4791,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -8957,44 +4822,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9003,44 +4831,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9049,44 +4840,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9095,44 +4849,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9141,44 +4858,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9227,44 +4907,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9273,44 +4916,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9319,44 +4925,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9365,44 +4934,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9411,44 +4943,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9481,44 +4976,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9527,44 +4985,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9573,44 +4994,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9619,44 +5003,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9665,44 +5012,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9731,44 +5041,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9777,44 +5050,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9823,44 +5059,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9869,44 +5068,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9915,44 +5077,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
