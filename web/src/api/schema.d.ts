@@ -2844,44 +2844,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -2890,44 +2853,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -2936,44 +2862,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -2982,44 +2871,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3028,44 +2880,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4185,44 +4000,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4231,44 +4009,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4277,44 +4018,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4323,44 +4027,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4369,44 +4036,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
