@@ -12,11 +12,12 @@ import typer
 
 from app import __version__
 from app.commands.options import ConfigFile, Venue
-from app.commands.progress import Progress, print_line
+from app.commands.progress import Progress, console, print_line
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
+    from app.launch.first_lines import FirstLines
     from vision_core.settings.layers import Layer
     from vision_core.settings.schema import Settings
 
@@ -49,6 +50,7 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
+    from app.launch.first_lines import FirstLines
     from app.launch.kept_changes import database_folder, scope_of, with_kept_changes
     from vision_core.tasks.table import check_table
     from vision_core.venues.loader import layers_of, place_of, settings_from_layers
@@ -64,15 +66,16 @@ def serve(
     folder, notice = database_folder(database)
     scope = scope_of(venue, config)
     document = folder / f"venue-{scope}.db"
+    lines = FirstLines(print_line)
     if notice:
-        print_line(notice)
-    layers = with_kept_changes(document, layers_of(venue, config, options), print_line)
+        lines.say(notice)
+    layers = with_kept_changes(document, layers_of(venue, config, options), lines.say)
     settings = settings_from_layers(layers)
     check_table(settings, lambda key: place_of(key, layers))
-    sys.exit(_run(settings, layers, document, scope))
+    sys.exit(_run(settings, layers, document, scope, lines))
 
 
-def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope: str) -> int:
+def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope: str, lines: "FirstLines") -> int:
     """Run the service until it is stopped. Returns its exit status."""
     from app.launch.page import page_being_built
     from app.launch.plan import plan_service, prepare_kernel_folder
@@ -83,32 +86,33 @@ def _run(settings: "Settings", layers: "Sequence[Layer]", document: Path, scope:
     from vision_core.scheduling.selftest import in_words
 
     for line in prepare_kernel_folder():
-        print_line(line)
+        lines.say(line)
     with contextlib.ExitStack() as held:
         if settings.source.device is not None:
             held.enter_context(lock_camera(settings.source.device))
         plan, info = plan_service(settings, __version__, layers, document, scope)
-        machine = preflight(settings, print_line)
+        machine = preflight(settings, lines.say)
         held.enter_context(page_being_built())  # not before: the self-test of the machine wants it quiet
-        plan = replace(plan, initial=plan.initial | {"selftest": records.SELF_TEST.encode(machine)})
-        print_line(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
-        print_line(in_words(machine))
-        link = _link(info.http, document.parent)
+        lines.say(f"PSLV {__version__}: page {info.http}, robots at UDP {info.udp}, source {settings.source.uri}")
+        lines.say(in_words(machine))
+        link = _link(info.http, document.parent, lines.say)
         if link != info.http:
             print_line(f"no password is set yet; the operator logs in here: {link}")
         if os.environ.get("DISPLAY") and sys.stdout.isatty():
             webbrowser.open(link)
-        return Supervisor(plan, print_line, Progress().show).run()
+        first = {"selftest": records.SELF_TEST.encode(machine), "log": lines.record()}
+        plan = replace(plan, initial=plan.initial | first)
+        return Supervisor(plan, print_line, Progress().show if console.is_terminal else None).run()
 
 
-def _link(page: str, database: Path) -> str:
-    """The address of the page, with a token for the operator while no password is set."""
+def _link(page: str, database: Path, say: "Callable[[str], None]") -> str:
+    """The address of the page, with a token for the operator while no password is set; say: takes a notice."""
     from app.web.auth.people import People
     from app.web.auth.people_file import NAME
 
     people = People(database / NAME)
     if people.notice:
-        print_line(people.notice)
+        say(people.notice)
     token = people.first_run_token()
     people.close()
     return f"{page}/?token={token}" if token else page

@@ -35,13 +35,14 @@ STOP_PATIENCE_S = 1.5
 class Supervisor:
     """Starts the processes of a plan, starts them again when they end, and stops them."""
 
-    def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None]) -> None:
-        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done.
+    def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None] | None) -> None:
+        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done; None:
+        it is logged.
 
         Raises ServiceError when the control socket's name is taken.
         """
         self._plan = plan
-        self._progress = progress
+        self._progress = progress or self._log_progress
         self._control = ControlSocket(plan.control, self._answer)
         self._block = create_block(plan.records)
         self._read_only_block = os.open(f"/proc/self/fd/{self._block}", os.O_RDONLY | os.O_CLOEXEC)
@@ -143,6 +144,10 @@ class Supervisor:
                 if text:
                     child.detail = text.splitlines()[-1]
                     self._progress(child.detail)
+
+    def _log_progress(self, text: str) -> None:
+        if text:
+            self._log(f"compiling: {text}")
 
     def _check(self, child: Child, now: int) -> None:
         """Note the end or the first heartbeat of a process, and kill it when it is hung."""

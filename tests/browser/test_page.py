@@ -359,3 +359,20 @@ def test_a_technician_reads_the_log(browser: Browser, service: FakeService, serv
     expect(page.locator(".pill")).to_contain_text(re.compile("ready|degraded"))
     assert [words for words in watched.complaints if "404" not in words] == []
     context.close()
+
+
+def test_who_was_operator_until_his_session_ended_keeps_the_page(browser: Browser, service: FakeService) -> None:
+    first = PageServer(service)
+    first.start()
+    context = browser.new_context()
+    page = opened(context, first, link(service)).page
+    page.goto(f"http://{first.address}/logs")
+    expect(page.locator(".log tbody tr")).to_have_count(6)
+    context.clear_cookies()
+    first.stop()
+    second = PageServer(service, int(first.address.rpartition(":")[2]))
+    second.start()
+    expect(page.get_by_text("Only the operator can read the log.")).to_be_visible(timeout=15_000)
+    expect(page.locator(".pill")).to_contain_text(re.compile("ready|degraded"), timeout=15_000)
+    context.close()
+    second.stop()

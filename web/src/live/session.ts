@@ -11,6 +11,10 @@ export const isOperator = computed(() => me.value?.role === "operator");
 /** The page may be read; false: viewers have to log in. */
 export const mayLook = ref(true);
 
+watch(lostBecause, (reason) => {
+  if (reason && me.value) void loadMe(); // it may be that the session has ended
+});
+
 export async function loadMe(): Promise<void> {
   try {
     me.value = await api.get<Me>("/me");
