@@ -19,6 +19,7 @@ from bench.baselines.build import load_library
 from bench.runner import Row
 from vision_core.clock import NS_PER_S, US_PER_S, Instant
 from vision_core.geometry import Bytes
+from vision_core.models.from_settings import mirror_of
 from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import SLOT
 from vision_core.pipeline.view_encoder import ViewEncoder
@@ -71,7 +72,7 @@ def _measure(size: int) -> list[Row]:
     if c_baseline is not None:
         methods.append(c_baseline)
     encoder_us, *c_us = _in_turns(methods, ROUNDS)
-    (reference_us,) = _in_turns([_by_reference(encoder, tables, clients)], REFERENCE_ROUNDS)
+    (reference_us,) = _in_turns([_by_reference(encoder, settings, tables, clients)], REFERENCE_ROUNDS)
     name = f"edges and text of {2 * size} robots"
     against = {"name": f"{name}, baseline in C", "baseline": c_us[0], "ratio": encoder_us / c_us[0]} if c_us else {}
     return [
@@ -121,9 +122,11 @@ def _world(rng: np.random.Generator, settings: Settings, size: int) -> World:
 
 
 def _by_reference(
-    encoder: ViewEncoder, tables: list[WorldTable], clients: tuple[Client, ...]
+    encoder: ViewEncoder, settings: Settings, tables: list[WorldTable], clients: tuple[Client, ...]
 ) -> Callable[[int], object]:
     """The protocol's reference implementation as a function of the round's number: one view and datagram at a time."""
+
+    mirror = mirror_of(settings.mirror, Team.BLUE)
 
     def encode(number: int) -> list[bytes]:
         world, sent = tables[number % WORLDS], []
@@ -131,7 +134,7 @@ def _by_reference(
         for client in clients:
             view = encoder.renderer.view(world, client.init.team, client.init.number)
             assert view is not None
-            sent.append(reference_see(view, client.init.options, encoder.mirror, encoder.codes, BOOT))
+            sent.append(reference_see(view, client.init.options, mirror, encoder.codes, BOOT))
         return sent
 
     return encode
@@ -154,7 +157,7 @@ def _c_baseline(
     starts, lengths = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
     # arrays of the C structures: the same for all worlds, then outlines and ball of each world
     arguments = [
-        _scene_row(scene, encoder, settings), scene.segments_m, scene.segment_kinds, scene.ray_x, scene.ray_y,
+        _scene_row(scene, settings), scene.segments_m, scene.segment_kinds, scene.ray_x, scene.ray_y,
         encoder.text.hex_words, np.ascontiguousarray(encoder.text.edge_codes[0]), page, slots, starts, lengths,
     ]  # fmt: skip
     calls = []
@@ -193,8 +196,8 @@ def _outlines_of(table: WorldTable, scene: StaticScene) -> "np.ndarray[Any, Any]
     return outlines
 
 
-def _scene_row(scene: StaticScene, encoder: ViewEncoder, settings: Settings) -> "np.ndarray[Any, Any]":
-    mirror = encoder.mirror
+def _scene_row(scene: StaticScene, settings: Settings) -> "np.ndarray[Any, Any]":
+    mirror = mirror_of(settings.mirror, Team.BLUE)
     row = np.zeros(1, dtype=SCENE)
     row[0] = (
         mirror.a, mirror.b, mirror.c, mirror.a**2 - mirror.b**2 * mirror.c, settings.robots.radius_m,

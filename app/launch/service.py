@@ -12,6 +12,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from app import __version__
+from app.launch.first_lines import FirstLines
 from app.launch.page import page_being_built
 from app.launch.plan import plan_service, service_info
 from app.launch.preflight import preflight
@@ -25,34 +26,37 @@ from vision_core.clock import Instant
 from vision_core.errors import PslvError, ServiceError
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import SelfTest, ServiceInfo
+from vision_core.rtdb.log_record import LOG
 
 
 @dataclass(frozen=True, slots=True)
 class Reports:
     """To whom a start reports."""
 
+    lines: FirstLines
+    """Takes the lines of a start."""
     log: Callable[[str], None]
-    """Takes one line."""
-    progress: Callable[[str], None]
-    """Takes the progress of the compiler, "" when it is done."""
-    started: Callable[[ServiceInfo, SelfTest], None]
-    """Is told of the first start, before anything runs."""
+    """Takes one line of a running service that cannot print it otherwise."""
+    progress: Callable[[str], None] | None
+    """Takes the progress of the compiler, "" when it is done; None: it is logged."""
+    started: Callable[[ServiceInfo, SelfTest, Callable[[str], None]], None]
+    """Is told of the first start before anything runs, and to whom to say it."""
 
 
 def run_service(start: StartOptions, reports: Reports) -> int:
     """Run a service until it is stopped. Returns its exit status. Raises PslvError when it cannot be started."""
     if sys.platform != "linux":
         raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
-    prepared = prepare(start, reports.log)
+    prepared = prepare(start, reports.lines.say)
     with ExitStack() as held, ExitStack() as camera:
         _lock(camera, prepared)
         sockets = {name: held.enter_context(opened) for name, opened in open_sockets(prepared.settings.server).items()}
         boot = Instant(time.monotonic_ns())
         info = service_info(prepared, sockets, version=__version__, boot=boot, restarts=0)
-        machine = preflight(prepared.settings, reports.log)
+        machine = preflight(prepared.settings, reports.lines.say)
         held.enter_context(page_being_built())  # not before: the self-test of the machine wants it quiet
-        reports.started(info, machine)
-        known = {records.SELF_TEST.name: records.SELF_TEST.encode(machine)}
+        reports.started(info, machine, reports.lines.say)
+        known = {records.SELF_TEST.name: records.SELF_TEST.encode(machine), LOG.name: reports.lines.record()}
         first = Supervisor(plan_service(info, sockets, known, _check(start, prepared)), reports.log, reports.progress)
         first.start()
         service = _Service(start, reports, sockets, camera, prepared, info, first)
@@ -102,7 +106,7 @@ class _Service:
 
     def _successor(self) -> tuple[Prepared, Supervisor]:
         """What the files and the page have now, and a supervisor for it. Raises PslvError."""
-        prepared = prepare(self.start, self.reports.log)
+        prepared = prepare(self.start, self.supervisor.say)
         if prepared.settings.source.device != self.prepared.settings.source.device:
             self._change_camera(prepared)
         self.info = service_info(

@@ -37,18 +37,19 @@ STOP_PATIENCE_S = 1.5
 class Supervisor:
     """Starts the processes of a plan, starts them again when they end, and stops them."""
 
-    def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None]) -> None:
-        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done."""
+    def __init__(self, plan: ServicePlan, log: Callable[[str], None], progress: Callable[[str], None] | None) -> None:
+        """log: takes one line; progress: takes the progress of the process that runs once, "" when it is done; None:
+        it is logged.
+        """
         self._plan = plan
-        self._progress = progress
+        self._progress = progress or self._log_progress
         self._family = Family(plan)
         self._store = self._family.store
         self.children, self.spares, self._all = self._family.children, self._family.spares, self._family.all
         self._control: ControlSocket | None = None
         self._processes = self._store.writer("processes")
         self._own_output = OwnOutput(self.children, plan.sockets, log)
-        self._log = self._own_output.say
-        self._restart = Restart(plan.check, self._log)
+        self._restart = Restart(plan.check, self.say)
         self._request = self._store.reader(REQUEST) if REQUEST in self._store.specs else None
         self._woken, self._wake = socket.socketpair()
         self._woken.setblocking(False)
@@ -72,6 +73,10 @@ class Supervisor:
     def is_stopping(self) -> bool:
         """Did SIGINT, SIGTERM or a failure end ``run``?"""
         return self._stopping
+
+    def say(self, line: str) -> None:
+        """Print a line, and keep it in the log."""
+        self._own_output.say(line)
 
     def refuse_restart(self, why: str) -> None:
         """Go on as it is. why: in words."""
@@ -140,7 +145,7 @@ class Supervisor:
             child.stop_for_good()
         self._restart.close()
         if not self.is_restarting or self._stopping:
-            self._log("stopped")
+            self.say("stopped")
         self._own_output.end()
         readings = {name: self._store.reader(name).read(monotonic()) for name in CARRIED if name in self._store.specs}
         self._family.close()
@@ -169,7 +174,7 @@ class Supervisor:
         if not self._complete and all(child.state in SETTLED for child in self.children):
             self._complete = True
             running = sum(child.state is ProcessState.RUNNING for child in self.children if not child.plan.once)
-            self._log(f"{running} of {sum(not child.plan.once for child in self.children)} processes run")
+            self.say(f"{running} of {sum(not child.plan.once for child in self.children)} processes run")
         if self._complete:
             self.spares.refill(self.children, now)
         assert self._control is not None
@@ -219,6 +224,10 @@ class Supervisor:
                     child.detail = text.splitlines()[-1]
                     self._progress(child.detail)
 
+    def _log_progress(self, text: str) -> None:
+        if text:
+            self.say(f"compiling: {text}")
+
     def _check(self, child: Child, now: int) -> None:
         """Note the end or the first heartbeat of a process, and kill it when it is hung."""
         if child.has_ended():
@@ -228,16 +237,14 @@ class Supervisor:
             if child.plan.once:
                 self._compiled(child, now)
             else:
-                self._log(f"{child.plan.title} {child.detail}: {_consequence(child)}")
+                self.say(f"{child.plan.title} {child.detail}: {_consequence(child)}")
         elif child.process is not None:
             was_starting = child.state == ProcessState.STARTING
             child.read_heartbeat()
             if was_starting and child.state == ProcessState.RUNNING and child.ended and child in self.children:
-                self._log(
-                    f"{child.plan.title} runs again after {(child.last_heartbeat - child.ended) / NS_PER_S:.2f} s"
-                )
+                self.say(f"{child.plan.title} runs again after {(child.last_heartbeat - child.ended) / NS_PER_S:.2f} s")
             if child.is_hung(now, self._on_time_since):
-                self._log(f"{child.plan.title} does not answer and is killed")
+                self.say(f"{child.plan.title} does not answer and is killed")
                 child.kill()
 
     def _stop_without_compiler(self, child: Child) -> None:
@@ -251,13 +258,13 @@ class Supervisor:
         if spare is None:
             child.start(now)
         else:
-            self._log(f"{spare.plan.name} takes the place of {child.plan.title}")
+            self.say(f"{spare.plan.name} takes the place of {child.plan.title}")
 
     def _compiled(self, child: Child, now: int) -> None:
         """Start the other processes when the one that runs once has ended well; end the service when it failed."""
         self._progress("")
         if child.state != ProcessState.DONE:
-            self._log(f"{child.plan.name} {child.detail}: the service cannot start")
+            self.say(f"{child.plan.name} {child.detail}: the service cannot start")
             self._failed = self._stopping = True
             return
         for other in self.children:
@@ -297,7 +304,7 @@ class Supervisor:
         for child in disabled:
             if child.plan.name == name:
                 child.re_enable(time.monotonic_ns())
-                self._log(f"{child.plan.title} is started again on request")
+                self.say(f"{child.plan.title} is started again on request")
                 return {"restarted": name}
         accepted = ", ".join(child.plan.name for child in disabled) or "none: no process is disabled"
         return {"error": "it is not disabled", "accepted": accepted}

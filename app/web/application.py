@@ -34,7 +34,7 @@ from app.web.routes.clients import client_routes
 from app.web.routes.health import health_routes
 from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
-from app.web.routes.pages import page_routes, static_files
+from app.web.routes.pages import lost_page, page_routes, static_files
 from app.web.routes.people import people_routes
 from app.web.routes.restart import restart_routes
 from app.web.routes.settings import settings_routes
@@ -104,7 +104,7 @@ def create_app(store: Store) -> FastAPI:
     )
     app.add_middleware(HeadLikeGet)
     app.add_middleware(SecurityHeaders)
-    install_problems(app)
+    install_problems(app, lost_page)
     app.include_router(health_routes(blackboard, monitor))
     app.include_router(api_routes(blackboard, monitor, configuration))
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))

@@ -15,6 +15,20 @@ MAX_BYTES = 4000
 STDERR = 2
 
 
+def write_line(text: str, descriptor: int = STDERR) -> bool:
+    """Write a line, or drop it where writing would have to wait, or fails: False."""
+    line = text.encode("utf-8", "replace")[:MAX_BYTES] + b"\n"
+    ready = select.poll()
+    try:
+        ready.register(descriptor, select.POLLOUT)
+        if not any(event & select.POLLOUT for _, event in ready.poll(0)):
+            return False
+        os.write(descriptor, line)
+    except (OSError, ValueError):
+        return False
+    return True
+
+
 class BoundedHandler(logging.Handler):
     """Writes LINES in PERIOD_S at most, and says how many it left out."""
 
@@ -29,22 +43,10 @@ class BoundedHandler(logging.Handler):
         now = time.monotonic()
         if now - self._began_s >= PERIOD_S:
             if self._left_out:
-                self._write(f"{self._left_out} more lines in {now - self._began_s:.0f} s were left out")
+                more = f"{self._left_out} more lines in {now - self._began_s:.0f} s were left out"
+                write_line(more, self._descriptor)
             self._began_s, self._written, self._left_out = now, 0, 0
-        if self._written >= LINES or not self._write(self.format(record)):
+        if self._written >= LINES or not write_line(self.format(record), self._descriptor):
             self._left_out += 1
         else:
             self._written += 1
-
-    def _write(self, text: str) -> bool:
-        """False: nobody reads, so it is dropped."""
-        line = text.encode("utf-8", "replace")[:MAX_BYTES] + b"\n"
-        ready = select.poll()
-        try:
-            ready.register(self._descriptor, select.POLLOUT)
-            if not any(event & select.POLLOUT for _, event in ready.poll(0)):
-                return False
-            os.write(self._descriptor, line)
-        except (OSError, ValueError):
-            return False
-        return True

@@ -1,13 +1,13 @@
 """Errors of the API as problem details (RFC 9457): ``application/problem+json``."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from starlette.exceptions import HTTPException
 
 from app.web.reports.base import Report
@@ -38,7 +38,9 @@ class ProblemDetails(Report):
     """The setting or the field of a form that is wrong."""
 
 
-PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}}}
+COMPONENT = ProblemDetails.__name__
+PROBLEM: dict[str, Any] = {"content": {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{COMPONENT}"}}}}
+"""A refusal in the OpenAPI document, which has the model once."""
 REFUSED: dict[int | str, dict[str, Any]] = {
     401: PROBLEM | {"description": "Nobody is logged in"},
     403: PROBLEM | {"description": "Only the operator may change something, from our own page or a program, as JSON"},
@@ -71,11 +73,13 @@ def problem_response(
     return JSONResponse(problem.model_dump(exclude_none=True), status, media_type=MEDIA_TYPE)
 
 
-def install_problems(app: FastAPI) -> None:
-    """Answer every error with problem details."""
+def install_problems(app: FastAPI, lost: Callable[[Request], Response | None]) -> None:
+    """Answer every error with problem details. lost: the answer to a request for nothing; None: problem details."""
 
-    async def refused(request: Request, error: Exception) -> JSONResponse:
+    async def refused(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
+        if error.status_code == HTTPStatus.NOT_FOUND and (page := lost(request)) is not None:
+            return page
         parts = error.parts if isinstance(error, RequestRefused) else None
         return problem_response(request, error.status_code, error.detail, parts)
 
@@ -90,6 +94,14 @@ def install_problems(app: FastAPI) -> None:
             request, HTTPStatus.INTERNAL_SERVER_ERROR, "a bug in the service; its log has the details"
         )
 
+    describe = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        document = describe()
+        document["components"]["schemas"].setdefault(COMPONENT, ProblemDetails.model_json_schema())
+        return document
+
+    app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's own way to extend the document
     app.add_exception_handler(HTTPException, refused)
     app.add_exception_handler(RequestValidationError, invalid)
     app.add_exception_handler(Exception, failed)

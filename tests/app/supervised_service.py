@@ -54,7 +54,7 @@ def main(arguments: list[str]) -> int:
         control=control,
         spare_module="tests.app.spare_process",
     )
-    supervisor = Supervisor(plan, log, log)
+    supervisor = Supervisor(plan, log, None)
     reader = supervisor._store.reader("processes")
     publish = supervisor._publish
 

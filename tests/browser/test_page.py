@@ -221,6 +221,31 @@ def test_a_lost_connection_and_old_positions_are_said_within_a_second(
     context.close()
 
 
+def test_the_lag_chart_tells_the_newest_values_by_the_24_hour_clock(browser: Browser, server: PageServer) -> None:
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, locale="en-US")
+    page = opened(context, server, "/timing").page
+    legend = page.locator(".u-legend")
+    expect(legend).to_contain_text(re.compile(r"time:?\s*[0-2]\d:[0-5]\d:[0-5]\d"))
+    expect(legend).to_contain_text(re.compile(r"A server \[ms\]:?\s*12"))
+    page.locator(".u-over").hover()
+    page.locator("h1").hover()
+    page.wait_for_timeout(600)
+    assert "--" not in legend.inner_text()
+    assert "M" not in legend.inner_text().replace("[ms]", "")  # AM, PM
+    context.close()
+
+
+def test_an_address_that_there_is_not_is_said_in_words(browser: Browser, server: PageServer) -> None:
+    context = browser.new_context()
+    page = context.new_page()
+    answer = page.goto(f"http://{server.address}/mach")
+    assert answer is not None
+    assert answer.status == 404
+    expect(page.locator("h1")).to_have_text("No such page")
+    expect(page.get_by_text("/mach does not exist here")).to_be_visible()
+    context.close()
+
+
 def test_why_the_service_is_not_ready_is_said(browser: Browser) -> None:
     service = FakeService(STATES["crashing"])
     service.start()
@@ -334,3 +359,20 @@ def test_a_technician_reads_the_log(browser: Browser, service: FakeService, serv
     expect(page.locator(".pill")).to_contain_text(re.compile("ready|degraded"))
     assert [words for words in watched.complaints if "404" not in words] == []
     context.close()
+
+
+def test_who_was_operator_until_his_session_ended_keeps_the_page(browser: Browser, service: FakeService) -> None:
+    first = PageServer(service)
+    first.start()
+    context = browser.new_context()
+    page = opened(context, first, link(service)).page
+    page.goto(f"http://{first.address}/logs")
+    expect(page.locator(".log tbody tr")).to_have_count(6)
+    context.clear_cookies()
+    first.stop()
+    second = PageServer(service, int(first.address.rpartition(":")[2]))
+    second.start()
+    expect(page.get_by_text("Only the operator can read the log.")).to_be_visible(timeout=15_000)
+    expect(page.locator(".pill")).to_contain_text(re.compile("ready|degraded"), timeout=15_000)
+    context.close()
+    second.stop()

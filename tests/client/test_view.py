@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from vision_core.client.view import view_from_see
-from vision_core.models.from_settings import mirror_from
+from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.messages import HIDDEN, Ball, See
 from vision_core.protocol.options import PAPER_OPTIONS, Options
+from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings
 
 
 def test_the_papers_mirror_is_that_of_the_papers_field() -> None:
-    assert mirror_from(load_settings(options={"field_preset": "ssl-2002"})) == PAPER_MIRROR
+    assert mirror_of(load_settings(options={"field_preset": "ssl-2002"}).mirror, Team.BLUE) == PAPER_MIRROR
 
 
 def test_the_papers_sample() -> None:

@@ -141,6 +141,8 @@ def log_until(service: RunningService, text: str, query: str = "") -> dict[str, 
 
 
 def test_the_log_tells_what_every_process_says(service: RunningService) -> None:
+    assert log_until(service, f"page {service.http}, robots at UDP") == {"process": "supervisor", "level": "info"}
+    assert "token=" not in json.dumps(service.get("/api/v1/log")[1])
     assert log_until(service, "processes run") == {"process": "supervisor", "level": "info"}
     assert log_until(service, "ready", "?process=web")["process"] == "web"
     until_settled(service, spares=1)

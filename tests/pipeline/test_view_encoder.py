@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from tests.views.scenes import AT, SETTINGS, ball, fields, obstacle, random_world, robot, with_squares, world
 from vision_core.clock import Instant
-from vision_core.models.from_settings import mirror_from
+from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.delivery import Batch
 from vision_core.pipeline import view_encoder as module
@@ -23,13 +23,14 @@ from vision_core.protocol.edge_codes import edge_codes
 from vision_core.protocol.messages import Init, See
 from vision_core.protocol.options import PAPER_OPTIONS, Options, options_from_forms
 from vision_core.protocol.see import reference_ball, reference_px, reference_see
+from vision_core.settings.schema import MirrorConstants
 from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import World
 
 CODES = edge_codes(SETTINGS.protocol.letters)
-MIRROR = mirror_from(SETTINGS)
+MIRROR = mirror_of(SETTINGS.mirror, Team.BLUE)
 BOOT = Instant(500_000_000)
 ENCODER = ViewEncoder(with_squares(), BOOT)
 
@@ -174,7 +175,7 @@ def test_what_blue_1_sees() -> None:
 
 
 @pytest.mark.parametrize("asked", [PAPER_OPTIONS, Options(fov_deg=90.0, resolution_deg=0.25, mirror=PAPER_MIRROR)])
-def test_the_page_gets_the_field_s_pixels_whatever_clients_ask_for(asked: Options) -> None:
+def test_the_page_gets_the_teams_pixels_whatever_clients_ask_for(asked: Options) -> None:
     table = WorldTable.of(random_world(np.random.default_rng(5), fields()["walls"]))
     ENCODER.write(table, [blue_1(asked)])
     snapshot = ENCODER.views.record()
@@ -195,6 +196,22 @@ def test_the_page_gets_the_field_s_pixels_whatever_clients_ask_for(asked: Option
             assert (shown.ball_px, shown.ball_direction_deg) == (expected.px, expected.direction_deg)
             assert shown.partial == (view.ball is not None and view.ball.partial)
             assert shown.overlap == view.overlap
+
+
+def test_the_page_gets_of_each_team_what_that_team_gets() -> None:
+    """A team with a mirror of its own: pixels and ball of the page's view are those of the team's datagram."""
+    other = MirrorConstants(4.2, 0.0131, 91_000.0)
+    encoder = ViewEncoder(replace(SETTINGS, mirror=replace(SETTINGS.mirror, yellow=other)), BOOT)
+    clients = tuple(Client(Init(team, 1, PAPER_OPTIONS)) for team in Team)
+    blue, yellow = SETTINGS.match.blue_ids[0], SETTINGS.match.yellow_ids[0]
+    both = robot(Team.BLUE, blue, 0.5, 0.2, 0.3), robot(Team.YELLOW, yellow, -0.4, -0.3, 2.0)
+    batch = encoder.write(WorldTable.of(world(*both, ball=ball(0.1, 0.1))), clients)
+    views = encoder.views.record().views
+    assert [view.team for view in views] == list(Team)
+    for line, view in enumerate(views):
+        sent = see(batch, line)
+        assert view.px.hex() == "".join(sent.edges.decode()[at + 1 : at + 3] for at in range(0, 3 * 360, 3))
+        assert (view.ball_px, view.ball_direction_deg) == (sent.ball.px, sent.ball.direction_deg)
 
 
 def test_a_robot_at_no_finite_place_has_no_view() -> None:

@@ -1,13 +1,8 @@
 """Mirror and robots as the settings describe them."""
 
 from vision_core.models.mirror import Mirror
-from vision_core.settings.schema import MirrorSettings, RobotSettings, Settings, TeamRobotSettings
+from vision_core.settings.schema import MirrorSettings, RobotSettings, TeamRobotSettings
 from vision_core.types.objects import Team
-
-
-def mirror_from(settings: Settings) -> Mirror:
-    """The field's mirror. Raises SettingsError when it is not allowed."""
-    return Mirror(settings.mirror.a, settings.mirror.b, settings.mirror.c)
 
 
 def mirror_of(mirrors: MirrorSettings, team: Team) -> Mirror:

@@ -31,7 +31,7 @@ REQUEST = np.dtype(
 )  # fmt: skip
 """What one client asked for. viewer: index of its robot; rays: of the coarsest grid that has all its directions;
 first, step: its first direction and the distance to the next one, in these rays, anticlockwise; directions: how many;
-types: index into TextBuffers.edge_codes; own_mirror: not the field's; a, b, c, d: of its mirror, d = a^2 - b^2 c."""
+types: index into TextBuffers.edge_codes; own_mirror: not its team's; a, b, c, d: of its mirror, d = a^2 - b^2 c."""
 
 MAX_HEAD = 32
 """Place of the edges in a slot, and largest length of a datagram's head [bytes]."""

@@ -236,7 +236,7 @@ class WorldTable(_OneRow):
 
 
 class ViewsTable(_OneRow):
-    """The views of all robots for the page, in the pixels of the field's mirror."""
+    """The views of all robots for the page, in the pixels of its team's mirror."""
 
     def __init__(self, memory: bytes | bytearray | memoryview | None = None) -> None:
         """memory: bytes of another table, which are copied; None: a table of zeros."""

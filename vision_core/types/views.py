@@ -42,7 +42,7 @@ class RobotView:
 
 @dataclass(frozen=True, slots=True)
 class ViewSnapshot:
-    """A view as the page gets it: distances in pixels of the field's mirror, one direction per whole degree."""
+    """A view as the page gets it: distances in pixels of its team's mirror, one direction per whole degree."""
 
     team: Team
     number: int

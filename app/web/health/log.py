@@ -1,13 +1,11 @@
 """The log's lines about the health of the service: one for each change of its state, and for each new cause."""
 
 import asyncio
-import contextlib
-import select
-import sys
 
 from app.web.blackboard import Blackboard
 from app.web.health.monitor import Health, HealthMonitor, HealthState
 from app.web.health.readiness import is_starting
+from app.web.log_output import write_line
 from vision_core.clock import Instant, seconds_between
 
 EVERY_S = 0.5
@@ -36,9 +34,9 @@ class HealthLog:
             self._unready_since = None
         if health.state is not self._state:
             self._state = health.state
-            print_line(line_of(health))
+            write_line(line_of(health))
         elif appeared := [cause.sentence for cause in health.degradations if cause.key not in before]:
-            print_line(f"degraded: {'; '.join(appeared)}")
+            write_line(f"degraded: {'; '.join(appeared)}")
 
 
 def line_of(health: Health) -> str:
@@ -54,10 +52,3 @@ async def watch_health(blackboard: Blackboard, monitor: HealthMonitor) -> None:
         snapshot = blackboard.read()
         log.note(monitor.judge(snapshot), snapshot.now, is_starting=is_starting(snapshot))
         await asyncio.sleep(EVERY_S)
-
-
-def print_line(line: str) -> None:
-    """Print to standard error. A reader that does not read, or a full disk, must neither stop nor delay the page."""
-    with contextlib.suppress(OSError):
-        if select.select([], [sys.stderr], [], 0.0)[1]:
-            print(line, file=sys.stderr, flush=True)

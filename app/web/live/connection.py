@@ -10,7 +10,7 @@ Messages are made once for all pages (``app.web.live.messages``), on the grid of
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Iterable, MutableMapping
+from collections.abc import AsyncIterator, Coroutine, Iterable, MutableMapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,6 +18,7 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from app.web.auth.addresses import address_of, share_of
+from app.web.auth.credential import LOGIN_ENDED, until_login_ends
 from app.web.auth.identity import Identity, Role, identity_of
 from app.web.blackboard import Blackboard
 from app.web.closing import close
@@ -113,7 +114,8 @@ class Live:
         self._pages.add(page)
         self._watched.set()
         try:
-            await self._send_updates(page)
+            if not await _finished_first(self._send_updates(page), until_login_ends(socket)):
+                await close(socket, POLICY_VIOLATION, LOGIN_ENDED)
         except WebSocketDisconnect:
             pass
         except (TimeoutError, RefusedTopicsError) as fault:
@@ -192,6 +194,20 @@ class Live:
             if news:
                 return news
             await self._next.wait()
+
+
+async def _finished_first(work: Coroutine[Any, Any, None], end: Coroutine[Any, Any, None]) -> bool:
+    """Work until the end comes: has the work finished before it? Raises what the work raises."""
+    working, ending = asyncio.create_task(work), asyncio.create_task(end)
+    try:
+        await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
+        if working.done():
+            working.result()
+        return working.done()
+    finally:
+        for task in (working, ending):
+            task.cancel()
+        await asyncio.gather(working, ending, return_exceptions=True)
 
 
 def _topics_in(received: MutableMapping[str, Any]) -> list[str] | None:

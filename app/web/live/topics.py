@@ -108,7 +108,7 @@ def _robots(world: World) -> Iterator[dict[str, Any]]:
 
 
 def views_message(boot: Instant, views: Timed[Views] | None) -> bytes:
-    """What every robot sees, in pixels of the field's mirror."""
+    """What every robot sees, in pixels of its team's mirror."""
     if views is None:
         return HEADER.pack(VIEWS_KIND, 0, 0.0)
     value = views.value

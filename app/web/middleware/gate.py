@@ -5,7 +5,6 @@ kind of what changes something, the session or token (who), the table of ``auth.
 identity: whoever may log in to this machine may not therefore change a match.
 """
 
-import asyncio
 from collections.abc import Sequence
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
@@ -15,6 +14,8 @@ from starlette.requests import Request
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.web.auth.addresses import address_of, is_our_name
+from app.web.auth.credential import SCOPE_KEY as CREDENTIAL_KEY
+from app.web.auth.credential import Credential
 from app.web.auth.identity import ANYBODY, SCOPE_KEY, Identity, Role
 from app.web.auth.people import People
 from app.web.auth.rules import READING, Need, need_of
@@ -99,15 +100,14 @@ class Gate:
         authorization = headers.get("authorization", "")
         if authorization.lower().startswith(BEARER):
             secret = authorization[len(BEARER) :].strip()
-            found, touch = self._people.of_token(secret), self._people.touch_token
+            credential = Credential(secret, self._people.of_token, self._people.touch_token)
         else:
             secret = session_of(headers, cookie_name(scope))
-            found, touch = self._people.of_session(secret) if secret else None, self._people.touch_session
-        if found is None:
+            credential = Credential(secret, self._people.of_session, self._people.touch_session)
+        identity = await credential.identity() if secret else None
+        if identity is None:
             return ANYBODY
-        identity, is_touch_due = found
-        if is_touch_due:
-            await asyncio.to_thread(touch, secret)
+        scope[CREDENTIAL_KEY] = credential
         return identity
 
 

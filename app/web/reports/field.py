@@ -11,7 +11,7 @@ from vision_core.geometry import Floats, rotation
 from vision_core.models.camera import CameraModel
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import field_lines, field_segments, painted_points
-from vision_core.models.from_settings import mirror_from, robots_of
+from vision_core.models.from_settings import mirror_of, robots_of
 from vision_core.models.mirror import MAX_PX, MM_PER_M
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.schema import Settings
@@ -97,8 +97,8 @@ class Field(Report):
     """By team: the marker id of robot number 1, 2, ..."""
     edge_types: dict[str, EdgeTypeReport]
     """By name: nothing, wall, goal_blue, ..."""
-    mirror_m: list[float | None]
-    """Distance on the floor at 0, 1, 2, ... pixels from the mirror's center [m]; null beyond the horizon."""
+    mirror_m: dict[str, list[float | None]]
+    """By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon."""
     painted_px: list[list[tuple[float, float]]]
     """Painted lines and arcs, projected into the picture by the camera model [px]."""
     coverage_m: list[tuple[float, float]]
@@ -130,7 +130,7 @@ def field_from(service: ServiceInfo) -> Field:
         numbers=settings.match.numbers,
         marker_ids={"blue": list(settings.match.blue_ids), "yellow": list(settings.match.yellow_ids)},
         edge_types={edge.kind.name.lower(): _edge_type(edge) for edge in EDGE_TYPES},
-        mirror_m=_mirror_table(settings),
+        mirror_m={team.value: _mirror_table(settings, team) for team in Team},
         painted_px=[_visible(_in_picture(camera, points)) for points in painted_points(field, STEPS + 1)],
         coverage_m=[(x, y) for x, y in np.round(setup.seen_floor_m(STEPS), 3).tolist()],
     )
@@ -196,6 +196,6 @@ def _visible(points_px: Points) -> Points:
     return [(x, y) for x, y in points_px if math.isfinite(x)]
 
 
-def _mirror_table(settings: Settings) -> list[float | None]:
-    metres = mirror_from(settings).mm_from_px(np.arange(MAX_PX + 1, dtype=np.float64)) / MM_PER_M
+def _mirror_table(settings: Settings, team: Team) -> list[float | None]:
+    metres = mirror_of(settings.mirror, team).mm_from_px(np.arange(MAX_PX + 1, dtype=np.float64)) / MM_PER_M
     return [round(value, 4) if math.isfinite(value) else None for value in metres.tolist()]

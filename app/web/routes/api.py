@@ -12,7 +12,7 @@ from app.web.blackboard import Blackboard
 from app.web.cached import Cached
 from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
-from app.web.problems import MEDIA_TYPE, PROBLEM, ProblemDetails, RequestRefused
+from app.web.problems import PROBLEM, RequestRefused
 from app.web.reports.field import Field, field_from
 from app.web.reports.status import Status, status_from
 from vision_core.native.opencv import encode_jpeg
@@ -54,10 +54,7 @@ def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Co
         responses={
             200: {"content": {"image/jpeg": {}}, "description": "The newest picture in full size"},
             403: PROBLEM | {"description": "In a match only the operator sees where everything is now"},
-            503: {
-                "content": {MEDIA_TYPE: {"schema": ProblemDetails.model_json_schema()}},
-                "description": "No image yet",
-            },
+            503: PROBLEM | {"description": "No image yet"},
         },
     )
     def snapshot_jpg(request: Request) -> Response:

@@ -14,9 +14,10 @@ from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import ADMISSION, REFUSAL
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
-from app.web.reports.changes import ChangeReport, change_from, not_made
+from app.web.reports.changes import ChangeReport
 from app.web.reports.clients import ClientReport, clients_from
 from app.web.reports.waiting import WaitingReport, waiting_from
+from app.web.routes.change import change
 from vision_core.rtdb import records
 from vision_core.types.objects import Team
 
@@ -83,10 +84,6 @@ def client_routes(blackboard: Blackboard, configuration: Configuration) -> APIRo
     """Clients and who may become one."""
     router = APIRouter(prefix="/api/v1", tags=["clients"])
 
-    def change(values: dict[str, Any], request: Request, what: str) -> ChangeReport:
-        made = configuration.change(values, who=identity_of(request).name, what=what)
-        return change_from(made) if made else not_made(configuration.revision, what)
-
     @router.get("/clients")
     def clients() -> Clients:
         """Who is connected, who waits and why, who may connect and who may not."""
@@ -124,7 +121,7 @@ def client_routes(blackboard: Blackboard, configuration: Configuration) -> APIRo
         values: dict[str, Any] = {f"{ADMISSION}{max(taken, default=0) + 1}": entry}
         if f"{REFUSAL}{network}" in configuration.entries:
             values[f"{REFUSAL}{network}"] = None
-        return change(values, request, f"admit {network}{_robot(admission)}")
+        return change(configuration, values, request, f"admit {network}{_robot(admission)}")
 
     @router.delete("/admissions/{number}", responses=REFUSED)
     def withdraw(number: int, request: Request) -> ChangeReport:
@@ -134,13 +131,17 @@ def client_routes(blackboard: Blackboard, configuration: Configuration) -> APIRo
             raise RequestRefused(
                 HTTPStatus.NOT_FOUND, "an admission", found=str(number)[:40], accepted="an id of /api/v1/clients"
             )
-        return change({key: None}, request, f"withdraw the admission of {configuration.entries[key]['network']}")
+        return change(
+            configuration, {key: None}, request, f"withdraw the admission of {configuration.entries[key]['network']}"
+        )
 
     @router.post("/refusals", responses=REFUSED, status_code=HTTPStatus.CREATED)
     def refuse(refusal: RefusalRequest, request: Request) -> ChangeReport:
         """Turns an address away, whatever admits it, and shows its requests no more."""
         network = _network(refusal.address, "address")
-        return change({f"{REFUSAL}{network}": {"by": identity_of(request).name}}, request, f"refuse {network}")
+        return change(
+            configuration, {f"{REFUSAL}{network}": {"by": identity_of(request).name}}, request, f"refuse {network}"
+        )
 
     @router.delete("/refusals/{address:path}", responses=REFUSED)
     def forgive(address: str, request: Request) -> ChangeReport:
@@ -150,7 +151,7 @@ def client_routes(blackboard: Blackboard, configuration: Configuration) -> APIRo
             raise RequestRefused(
                 HTTPStatus.NOT_FOUND, "a refused address", found=address[:80], accepted="one of /api/v1/clients"
             )
-        return change({key: None}, request, f"refuse {address} no longer")
+        return change(configuration, {key: None}, request, f"refuse {address} no longer")
 
     @router.delete("/clients/{team}/{number}", responses=REFUSED, status_code=HTTPStatus.NO_CONTENT)
     def disconnect(team: Team, number: int) -> None:

@@ -1,18 +1,18 @@
 """``/api/v1/match``: who plays which color, sides, mode and play mode; ``/api/v1/mirrors``: A, B, C of a team."""
 
 from http import HTTPStatus
-from typing import Any, Literal
+from typing import Literal
 
 from fastapi import APIRouter, Request
 from msgspec import to_builtins
 from pydantic import ConfigDict, Field
 
-from app.web.auth.identity import identity_of
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import TEAM, plays, setting
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
-from app.web.reports.changes import ChangeReport, change_from, not_made
+from app.web.reports.changes import ChangeReport
+from app.web.routes.change import change
 from vision_core.types.objects import Team
 
 OTHER_SIDE = {"left": "right", "right": "left"}
@@ -74,10 +74,6 @@ def match_routes(configuration: Configuration) -> APIRouter:
     """The match, and each team's mirror."""
     router = APIRouter(prefix="/api/v1", tags=["match"])
 
-    def change(values: dict[str, Any], request: Request, what: str, seen: int | None = None) -> ChangeReport:
-        made = configuration.change(values, who=identity_of(request).name, what=what, seen=seen)
-        return change_from(made) if made else not_made(configuration.revision, what)
-
     @router.get("/match")
     def match() -> MatchReport:
         """Who plays, on which side, and how."""
@@ -94,13 +90,13 @@ def match_routes(configuration: Configuration) -> APIRouter:
         words = [
             f"{key} {value}" for key, value in {**sent, **{c.value: s or "nobody" for c, s in teams.items()}}.items()
         ]
-        return change(values, request, f"match: {', '.join(words)}", patch.revision)
+        return change(configuration, values, request, f"match: {', '.join(words)}", patch.revision)
 
     @router.post("/match/swap_sides", responses=REFUSED)
     def swap_sides(swap: Swap, request: Request) -> ChangeReport:
         """Lets both teams defend the other goal, at the next frame; no session ends."""
         side = OTHER_SIDE[configuration.settings.match.blue_defends]
-        return change({setting("match.blue_defends"): side}, request, "swap sides", swap.revision)
+        return change(configuration, {setting("match.blue_defends"): side}, request, "swap sides", swap.revision)
 
     @router.post("/match/swap_colors", responses=REFUSED)
     def swap_colors(swap: Swap, request: Request) -> ChangeReport:
@@ -111,19 +107,26 @@ def match_routes(configuration: Configuration) -> APIRouter:
             raise RequestRefused(
                 HTTPStatus.CONFLICT, "swap colors", found="no team on the field", accepted="a team for a color first"
             )
-        return change({plays(Team.BLUE): yellow, plays(Team.YELLOW): blue}, request, "swap colors", swap.revision)
+        return change(
+            configuration, {plays(Team.BLUE): yellow, plays(Team.YELLOW): blue}, request, "swap colors", swap.revision
+        )
 
     @router.put("/mirrors/{color}", responses=REFUSED)
     def set_mirror(color: Team, mirror: Mirror, request: Request) -> ChangeReport:
         """Gives the robots of a color another mirror, at the next frame: no view is made with a mixture of both."""
         value = mirror.model_dump()
         words = f"mirror of {color.value}: {mirror.a:g} {mirror.b:g} {mirror.c:g}"
-        return change({setting(f"mirror.{color.value}"): value}, request, words)
+        return change(configuration, {setting(f"mirror.{color.value}"): value}, request, words)
 
     @router.delete("/mirrors/{color}", responses=REFUSED)
     def reset_mirror(color: Team, request: Request) -> ChangeReport:
         """Gives the robots of a color the mirror of the files again."""
-        return change({setting(f"mirror.{color.value}"): None}, request, f"mirror of {color.value}: as in the files")
+        return change(
+            configuration,
+            {setting(f"mirror.{color.value}"): None},
+            request,
+            f"mirror of {color.value}: as in the files",
+        )
 
     return router
 

@@ -8,11 +8,12 @@ from functools import cache
 from html import escape
 from pathlib import Path
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.staticfiles import StaticFiles
 
 import app
+from app.web.auth.rules import GUARDED, READING
 
 ADDRESSES = (
     "/",
@@ -73,14 +74,20 @@ class _BuiltFiles(StaticFiles):
         """Nothing: a missing folder is no fault of a request."""
 
 
+def lost_page(request: Request) -> Response | None:
+    """The page for a browser that goes to an address that there is not: its router says so. None: no such case."""
+    goes_there = request.method in READING and "text/html" in request.headers.get("accept", "")
+    return _file("index.html", 404) if goes_there and not request.url.path.startswith((*GUARDED, "/web/")) else None
+
+
 def static_files() -> StaticFiles:
     """Scripts, style sheets and images of the pages."""
     return _BuiltFiles(directory=web_folder(), check_dir=False)
 
 
-def _file(name: str) -> Response:
+def _file(name: str, status: int = 200) -> Response:
     path = web_folder() / name
-    return FileResponse(path) if path.is_file() else HTMLResponse(MISSING.format(escape(_state())), 503)
+    return FileResponse(path, status) if path.is_file() else HTMLResponse(MISSING.format(escape(_state())), 503)
 
 
 def _state() -> str:

@@ -13,6 +13,7 @@ from app.web.configuration.keys import setting
 from app.web.problems import REFUSED
 from app.web.reports.base import Report
 from app.web.reports.changes import ChangeReport, change_from, not_made
+from app.web.routes.change import change
 from vision_core.rtdb.infos import ServiceInfo
 
 HISTORY = 200
@@ -71,12 +72,11 @@ def settings_routes(configuration: Configuration, service: ServiceInfo) -> APIRo
         )
 
     @router.patch("/settings", responses=REFUSED)
-    def change(patch: SettingsPatch, request: Request) -> ChangeReport:
+    def change_settings(patch: SettingsPatch, request: Request) -> ChangeReport:
         """Changes settings. Those that can be are applied at the next frame; the others wait for a restart."""
         values = {setting(key): value for key, value in patch.changes.items()}
         what = f"set {', '.join(sorted(patch.changes))[:120]}"
-        made = configuration.change(values, who=identity_of(request).name, what=what, seen=patch.revision)
-        return change_from(made) if made else not_made(configuration.revision, what)
+        return change(configuration, values, request, what, patch.revision)
 
     @router.get("/settings/history")
     def history(limit: int = Query(default=HISTORY, ge=1, le=HISTORY)) -> list[ChangeReport]:
@@ -108,7 +108,6 @@ def settings_routes(configuration: Configuration, service: ServiceInfo) -> APIRo
         values = changes_to(imported, configuration.entries)
         if preview == "true":
             return not_made(configuration.revision, "import", configuration.preview(values, "import"))
-        made = configuration.change(values, who=identity_of(request).name, what="import")
-        return change_from(made) if made else not_made(configuration.revision, "import")
+        return change(configuration, values, request, "import")
 
     return router

@@ -5,14 +5,14 @@ from typing import Any
 
 from fastapi import APIRouter, Request
 
-from app.web.auth.identity import identity_of
 from app.web.auth.team_keys import TeamKeys
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import TEAM, plays
 from app.web.configuration.teams import TeamEntry, slug_of
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
-from app.web.reports.changes import ChangeReport, change_from, not_made
+from app.web.reports.changes import ChangeReport
+from app.web.routes.change import change
 from vision_core.types.objects import Team
 
 
@@ -74,7 +74,7 @@ def team_routes(configuration: Configuration, keys: TeamKeys) -> APIRouter:
         return _report(slug)
 
     @router.put("/{slug}", responses=REFUSED)
-    def change(slug: str, team: TeamRequest, request: Request) -> TeamReport:
+    def change_team(slug: str, team: TeamRequest, request: Request) -> TeamReport:
         """Changes a team; while it plays, its robots' markers take effect at the next frame."""
         _known(slug)
         _put(slug, team, request, f"change team {team.name}")
@@ -86,9 +86,9 @@ def team_routes(configuration: Configuration, keys: TeamKeys) -> APIRouter:
         name = _known(slug)["name"]
         gone = {f"{TEAM}{slug}": None}
         gone |= {plays(color): None for color in Team if configuration.entries.get(plays(color)) == slug}
-        made = configuration.change(gone, who=identity_of(request).name, what=f"delete team {name}")
+        made = change(configuration, gone, request, f"delete team {name}")
         keys.forget(slug)
-        return change_from(made) if made else not_made(configuration.revision, "delete")
+        return made
 
     @router.post("/{slug}/key", responses=REFUSED)
     def new_key(slug: str) -> NewKey:
@@ -110,7 +110,7 @@ def team_routes(configuration: Configuration, keys: TeamKeys) -> APIRouter:
 
     def _put(slug: str, team: TeamRequest, request: Request, what: str) -> None:
         value = team.model_dump(exclude={"revision"})
-        configuration.change({f"{TEAM}{slug}": value}, who=identity_of(request).name, what=what, seen=team.revision)
+        change(configuration, {f"{TEAM}{slug}": value}, request, what, team.revision)
 
     def _report(slug: str) -> TeamReport:
         entries = configuration.entries

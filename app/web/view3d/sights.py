@@ -78,17 +78,18 @@ class Sights3D:
         self,
         views: Iterable[ViewSnapshot],
         robots: Mapping[Robot, RobotTrack],
-        mirror: Mirror,
+        mirrors: Mapping[Team, Mirror],
         selected: Robot | None,
     ) -> None:
-        """Draw the views of robots by team and number. mirror: that whose pixels the views have."""
-        metres = mirror.mm_from_px(np.arange(MAX_PX + 1, dtype=np.float64)) / MM_PER_M
+        """Draw the views of robots by team and number. mirrors: of each team, whose pixels its views have."""
+        all_px = np.arange(MAX_PX + 1, dtype=np.float64)
+        metres = {team: mirror.mm_from_px(all_px) / MM_PER_M for team, mirror in mirrors.items()}
         points, colors, rays = [], [], (PARKED, NO_COLORS)
         for view in views:
             robot = robots.get((view.team, view.number))
             if robot is None:
                 continue
-            ends, kinds = self._ends(view, robot, metres)
+            ends, kinds = self._ends(view, robot, metres[view.team])
             points.append(ends)
             colors.append(self._colors[kinds])
             if (view.team, view.number) == selected:
@@ -96,7 +97,8 @@ class Sights3D:
         self._edges.points = np.concatenate(points) if points else np.zeros((1, 3), dtype=np.float32)
         self._edges.colors = np.concatenate(colors) if colors else np.zeros((1, 3), dtype=np.uint8)
         self._rays.points, self._rays.colors = rays
-        self._horizon.points = self._ring(robots.get(selected) if selected else None, metres)
+        chosen = robots.get(selected) if selected else None
+        self._horizon.points = self._ring(chosen, metres[chosen.team]) if chosen else PARKED
 
     def _ends(
         self, view: ViewSnapshot, robot: RobotTrack, metres: Floats
@@ -119,10 +121,10 @@ class Sights3D:
         starts = np.broadcast_to(start, ends.shape)
         return np.stack([starts, ends], axis=1), np.repeat(self._colors[kinds][:, None, :], 2, axis=1)
 
-    def _ring(self, robot: RobotTrack | None, metres: Floats) -> NDArray[np.float32]:
+    def _ring(self, robot: RobotTrack, metres: Floats) -> NDArray[np.float32]:
         """The farthest circle on the floor that the mirror shows round a robot."""
         finite = metres[np.isfinite(metres)]
-        if robot is None or not len(finite):
+        if not len(finite):
             return PARKED
         ring = circle_m(float(finite[-1]), (robot.x_m, robot.y_m))
         closed = np.column_stack([ring, np.full(len(ring), RAY_HEIGHT_M)]).astype(np.float32)

@@ -13,6 +13,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
+from app.web.auth.credential import until_login_ends
 from app.web.auth.identity import Role, identity_of
 from app.web.blackboard import Blackboard
 from app.web.closing import close
@@ -132,6 +133,7 @@ async def _relay(page: WebSocket, server: "GuardedServer", may_look: Callable[[]
     ) as inner:
         await page.accept(subprotocol=server.protocol)
         ways = [asyncio.create_task(_to_viser(page, inner)), asyncio.create_task(_to_browser(inner, page))]
+        ways.append(asyncio.create_task(until_login_ends(page)))
         done: set[asyncio.Task[None]] = set()
         open_ways = set(ways)
         while not done and may_look():

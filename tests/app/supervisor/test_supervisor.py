@@ -162,7 +162,7 @@ def test_the_others_wait_for_the_job_that_runs_once() -> None:
     with service("job", "one") as started:
         states = [row["job"]["state"] for row in [started.running("one")]]
         assert states == ["done"]
-        assert "1 of 1: nothing" in started.log
+        assert "compiling: 1 of 1: nothing" in started.log
         assert "1 of 1 processes run" in started.log
 
 

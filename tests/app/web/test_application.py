@@ -198,6 +198,18 @@ def test_unknown_paths_are_problems(http: httpx.Client, service: FakeService) ->
 
 
 @pytest.mark.usefixtures("built_page")
+def test_a_browser_that_goes_astray_gets_the_page_with_status_404(http: httpx.Client) -> None:
+    browser = {"accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
+    for path in ("/nothing", "/match/2", "/robot/blue"):
+        answer = http.get(path, headers=browser)
+        assert (answer.status_code, answer.headers["content-type"]) == (404, "text/html; charset=utf-8"), path
+        assert answer.text == http.get("/").text
+    for path in ("/api/v1/nothing", "/api/nothing", "/web/nothing.js"):
+        assert http.get(path, headers=browser).headers["content-type"] == MEDIA_TYPE, path
+    assert http.post("/nothing", headers=browser).headers["content-type"] == MEDIA_TYPE
+
+
+@pytest.mark.usefixtures("built_page")
 def test_pages_load_nothing_from_elsewhere(http: httpx.Client) -> None:
     styles = [f"/web/assets/{path.name}" for path in (web_folder() / "assets").glob("*.css")]
     assert styles
@@ -247,6 +259,20 @@ def test_every_operation_and_field_is_described(http: httpx.Client) -> None:
         assert all(operation["description"] for operation in methods.values()), path
     camera = api["components"]["schemas"]["CameraReport"]["properties"]
     assert camera["reasons"]["description"].startswith("Why nothing, or too little, is detected, ")
+
+
+def test_refusals_are_described_once() -> None:
+    described = document()
+    contents = [
+        response["content"][MEDIA_TYPE]["schema"]
+        for methods in described["paths"].values()
+        for operation in methods.values()
+        for response in operation["responses"].values()
+        if MEDIA_TYPE in response.get("content", {})
+    ]
+    assert len(contents) > 100
+    assert all(schema == {"$ref": "#/components/schemas/ProblemDetails"} for schema in contents)
+    assert described["components"]["schemas"]["ProblemDetails"]["properties"].keys() >= {"detail", "accepted"}
 
 
 def test_field_has_what_the_page_draws(http: httpx.Client) -> None:

@@ -397,10 +397,10 @@ export interface paths {
         options?: never;
         head?: never;
         /**
-         * Change
+         * Change Settings
          * @description Changes settings. Those that can be are applied at the next frame; the others wait for a restart.
          */
-        patch: operations["change_api_v1_settings_patch"];
+        patch: operations["change_settings_api_v1_settings_patch"];
         trace?: never;
     };
     "/api/v1/settings/export": {
@@ -644,10 +644,10 @@ export interface paths {
         };
         get?: never;
         /**
-         * Change
+         * Change Team
          * @description Changes a team; while it plays, its robots' markers take effect at the next frame.
          */
-        put: operations["change_api_v1_teams__slug__put"];
+        put: operations["change_team_api_v1_teams__slug__put"];
         post?: never;
         /**
          * Delete
@@ -1312,9 +1312,11 @@ export interface components {
             };
             /**
              * Mirror M
-             * @description Distance on the floor at 0, 1, 2, ... pixels from the mirror's center [m]; null beyond the horizon.
+             * @description By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon.
              */
-            mirror_m: (number | null)[];
+            mirror_m: {
+                [key: string]: (number | null)[];
+            };
             /** Name */
             name: string;
             /**
@@ -1822,6 +1824,52 @@ export interface components {
              * @default operator
              */
             role: components["schemas"]["Role"];
+        };
+        /**
+         * ProblemDetails
+         * @description Why a request failed.
+         */
+        ProblemDetails: {
+            /**
+             * Accepted
+             * @description What would be accepted.
+             * @default null
+             */
+            accepted: string | null;
+            /**
+             * Asked
+             * @description What a request asked for that was understood and refused.
+             * @default null
+             */
+            asked: string | null;
+            /** Detail */
+            detail: string;
+            /**
+             * Field
+             * @description The setting or the field of a form that is wrong.
+             * @default null
+             */
+            field: string | null;
+            /**
+             * Found
+             * @description What was found instead.
+             * @default null
+             */
+            found: string | null;
+            /**
+             * Instance
+             * @description Path of the request.
+             */
+            instance: string;
+            /** Status */
+            status: number;
+            /** Title */
+            title: string;
+            /**
+             * Type
+             * @default about:blank
+             */
+            type: string;
         };
         /**
          * ProcessReport
@@ -2542,44 +2590,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -2588,44 +2599,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -2634,44 +2608,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -2680,44 +2617,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -2726,44 +2626,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -2794,44 +2657,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -2840,44 +2666,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -2886,44 +2675,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -2932,44 +2684,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -2978,44 +2693,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -3046,44 +2724,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3092,44 +2733,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3138,44 +2742,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3184,44 +2751,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3230,44 +2760,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -3317,44 +2810,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3363,44 +2819,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3409,44 +2828,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3455,44 +2837,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3501,44 +2846,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -3590,44 +2898,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3636,44 +2907,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3682,44 +2916,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3728,44 +2925,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -3774,44 +2934,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -3844,44 +2967,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -3890,44 +2976,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -3936,44 +2985,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -3982,44 +2994,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4028,44 +3003,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Too many failures; the header Retry-After says when to try again */
@@ -4074,44 +3012,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4182,44 +3083,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4228,44 +3092,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4274,44 +3101,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4320,44 +3110,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4366,44 +3119,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4436,44 +3152,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4482,44 +3161,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4528,44 +3170,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4574,44 +3179,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4620,44 +3188,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4690,44 +3221,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -4736,44 +3230,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -4782,44 +3239,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -4828,44 +3248,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -4874,44 +3257,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -4966,44 +3312,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5012,44 +3321,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5058,44 +3330,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5104,44 +3339,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5150,44 +3348,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5218,44 +3379,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5264,44 +3388,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5310,44 +3397,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5356,44 +3406,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5402,44 +3415,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5470,44 +3446,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5516,44 +3455,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5562,44 +3464,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5608,44 +3473,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5654,44 +3482,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5724,44 +3515,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -5770,44 +3524,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -5816,44 +3533,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -5862,44 +3542,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -5908,44 +3551,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -5976,44 +3582,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6022,44 +3591,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6068,44 +3600,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6114,44 +3609,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6160,44 +3618,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -6246,44 +3667,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6292,44 +3676,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6338,44 +3685,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6384,44 +3694,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6430,44 +3703,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -6492,7 +3728,7 @@ export interface operations {
             };
         };
     };
-    change_api_v1_settings_patch: {
+    change_settings_api_v1_settings_patch: {
         parameters: {
             query?: never;
             header?: never;
@@ -6520,44 +3756,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6566,44 +3765,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6612,44 +3774,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6658,44 +3783,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -6704,44 +3792,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -6827,44 +3878,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -6873,44 +3887,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -6919,44 +3896,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -6965,44 +3905,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -7011,44 +3914,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7081,44 +3947,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -7127,44 +3956,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -7173,44 +3965,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -7219,44 +3974,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -7265,44 +3983,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7335,44 +4016,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -7381,44 +4025,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -7427,44 +4034,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -7473,44 +4043,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -7519,44 +4052,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7585,44 +4081,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description No image yet */
@@ -7631,44 +4090,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7717,44 +4139,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -7763,44 +4148,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -7809,44 +4157,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -7855,44 +4166,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -7901,44 +4175,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -7989,44 +4226,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8035,44 +4235,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8081,44 +4244,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8127,44 +4253,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8173,44 +4262,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -8245,44 +4297,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8291,44 +4306,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8337,44 +4315,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8383,44 +4324,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8429,44 +4333,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -8519,44 +4386,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8565,44 +4395,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8611,44 +4404,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8657,44 +4413,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8703,49 +4422,12 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
     };
-    change_api_v1_teams__slug__put: {
+    change_team_api_v1_teams__slug__put: {
         parameters: {
             query?: never;
             header?: never;
@@ -8775,44 +4457,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -8821,44 +4466,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -8867,44 +4475,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -8913,44 +4484,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -8959,44 +4493,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9027,44 +4524,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9073,44 +4533,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9119,44 +4542,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9165,44 +4551,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9211,44 +4560,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9279,44 +4591,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9325,44 +4600,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9371,44 +4609,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9417,44 +4618,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9463,44 +4627,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9549,44 +4676,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9595,44 +4685,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9641,44 +4694,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9687,44 +4703,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9733,44 +4712,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -9803,44 +4745,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -9849,44 +4754,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -9895,44 +4763,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -9941,44 +4772,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -9987,44 +4781,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
@@ -10053,44 +4810,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description Only the operator may change something, from our own page or a program, as JSON */
@@ -10099,44 +4819,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description There is nothing of this name */
@@ -10145,44 +4828,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description It does not fit to the present state, or somebody else was faster */
@@ -10191,44 +4837,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
@@ -10237,44 +4846,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };

@@ -25,17 +25,8 @@ export type Change = Schemas["ChangeReport"];
 export type Exported = Schemas["Export"];
 export type Me = Schemas["Me"];
 /** Why a request failed (RFC 9457). */
-export interface Problem {
-  type: string;
-  title: string;
-  status: number;
-  detail: string;
-  instance: string;
-  asked?: string;
-  found?: string;
-  accepted?: string;
-  field?: string;
-}
+type Details = Schemas["ProblemDetails"];
+export type Problem = Pick<Details, "type" | "title" | "status" | "detail" | "instance"> & Partial<Details>;
 export type Color = "blue" | "yellow";
 export const COLORS: readonly Color[] = ["blue", "yellow"];
 

@@ -17,7 +17,7 @@ export interface Seen {
 /** thinnest_m: a band is drawn at least this wide. */
 export function seenBand(field: Field, view: View, own: WorldRobot, thinnest_m: number): Seen {
   const beyond = 2 * Math.hypot(field.length_m, field.width_m);
-  const metres = (px: number) => field.mirror_m[px] ?? beyond;
+  const metres = (px: number) => field.mirror_m[view.team]?.[px] ?? beyond;
   const reachOf = (px: number) => {
     const whole = Math.floor(px);
     return metres(whole) + (px % 1) * (metres(whole + 1) - metres(whole));

@@ -94,7 +94,7 @@ function drawAxes(pen: CanvasRenderingContext2D, { x, y, top, high, highest, hei
 export function drawPanorama(canvas: HTMLCanvasElement, field: Field, team: Color, view: RobotView): void {
   const { pen, width, height } = cleared(canvas);
   const outer = Math.min(width, height) / 2 - 1;
-  const { farthest, rings } = scaleOf(field);
+  const { farthest, rings } = scaleOf(field, team);
   const scale = (outer - 2) / farthest;
   const place = (direction: number, radius: number): [number, number] => [-radius * Math.sin(direction * DEG), -radius * Math.cos(direction * DEG)];
   const radius = (direction: number) => Math.min(view.px[direction] === NO_EDGE ? farthest : (view.px[direction] ?? 0), farthest) * scale;
@@ -167,10 +167,11 @@ function drawBall(pen: CanvasRenderingContext2D, [x, y]: [number, number], view:
 }
 
 /** Pixels of the mirror up to the field's diagonal, and where the rings lie. */
-function scaleOf(field: Field): { farthest: number; rings: number[] } {
+function scaleOf(field: Field, team: Color): { farthest: number; rings: number[] } {
+  const table = field.mirror_m[team] ?? [];
   const pxOf = (metres: number) => {
-    const beyond = field.mirror_m.findIndex((value) => value === null || value > metres);
-    return beyond < 0 ? field.mirror_m.length - 1 : beyond;
+    const beyond = table.findIndex((value) => value === null || value > metres);
+    return beyond < 0 ? table.length - 1 : beyond;
   };
   return { farthest: pxOf(Math.hypot(field.length_m, field.width_m)) + 2, rings: RINGS_M.map(pxOf) };
 }
@@ -190,7 +191,7 @@ function drawRings(pen: CanvasRenderingContext2D, rings: number[], scale: number
 
 function drawBody(pen: CanvasRenderingContext2D, field: Field, team: Color, scale: number): void {
   const radius_m = field.robots[team]?.radius_m ?? 0.09;
-  const own = field.mirror_m.findIndex((metres) => metres === null || metres > radius_m);
+  const own = (field.mirror_m[team] ?? []).findIndex((metres) => metres === null || metres > radius_m);
   const size = Math.min(Math.max(own * scale, 4), 9);
   pen.fillStyle = color("dim");
   pen.beginPath();

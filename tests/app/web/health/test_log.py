@@ -1,10 +1,14 @@
 """The log has a line for each change of the state, and for each new cause."""
 
+import fcntl
+import os
+
 import pytest
 
 from app.web.health.cause import Cause, Subject
 from app.web.health.log import NOT_READY_HOLD_S, HealthLog
 from app.web.health.monitor import Health
+from app.web.log_output import write_line
 from vision_core.clock import Instant, after
 
 START = Instant(1_000_000_000_000)
@@ -57,3 +61,15 @@ def test_a_short_gap_is_no_news(log: Log) -> None:
     log.lines(READY, 0.0)
     assert log.lines(BLIND, 1.0) == []
     assert log.lines(READY, 2.0) == []
+
+
+def test_a_line_that_nobody_reads_is_dropped_and_delays_nobody() -> None:
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, 4096)
+    assert write_line("ready", writing)
+    while write_line("x" * 4000, writing):
+        pass
+    assert os.read(reading, 6) == b"ready\n"
+    os.close(reading)
+    assert not write_line("not ready", writing)
+    os.close(writing)

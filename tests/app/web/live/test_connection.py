@@ -12,6 +12,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
+from app.web.auth.identity import Role
 from app.web.auth.people import People
 from app.web.live import connection as live
 from app.web.live.topics import HEADER, PICTURE_KIND, VIEW_HEADER, VIEWS_KIND
@@ -193,6 +194,57 @@ def test_messages_are_made_while_somebody_looks(server: PageServer, service: Fak
     sequence = info.sequence
     wait_for(lambda: info.sequence >= sequence + 2)
     assert info.value(service.clock.now()).runs <= runs + 1
+
+
+def ended_login(connection: Connection) -> tuple[int, str]:
+    """Code and reason with which a connection is closed while it only listens."""
+    with pytest.raises(ConnectionClosed) as closed:
+        connection.recv(timeout=3)
+    assert closed.value.rcvd is not None
+    return closed.value.rcvd.code, closed.value.rcvd.reason
+
+
+LOGIN_ENDED = (live.POLICY_VIOLATION, "your login has ended: log in again")
+
+
+def logged_in(server: PageServer, secret: str) -> dict[str, str]:
+    """Headers with the cookie of a new session."""
+    answer = httpx.post(f"http://{server.address}/api/v1/login", json={"secret": secret})
+    return {"cookie": answer.headers["set-cookie"].partition(";")[0]}
+
+
+def test_a_revoked_token_ends_its_connections(server: PageServer, service: FakeService) -> None:
+    people = People(service.people)
+    token, secret = people.new_token("scoreboard")
+    with (
+        page(server, headers={"authorization": f"Bearer {secret}"}) as connection,
+        page(server, headers=service.operator) as other,
+    ):
+        update(connection)
+        people.revoke_token(token.id)  # as `pslv token --revoke` does, in another process
+        assert ended_login(connection) == LOGIN_ENDED
+        assert update(other)
+    people.close()
+
+
+@pytest.mark.parametrize("ending", ["logout", "password", "team key"])
+def test_a_login_that_ends_ends_its_connections(server: PageServer, service: FakeService, ending: str) -> None:
+    people = People(service.people)
+    if ending == "team key":
+        headers = logged_in(server, people.team_keys.renew("cgn"))
+    else:
+        people.set_password(Role.OPERATOR, "a long password")
+        headers = logged_in(server, "a long password")
+    with page(server, headers=headers) as connection:
+        update(connection)
+        if ending == "logout":
+            assert httpx.post(f"http://{server.address}/api/v1/logout", headers=headers).is_success
+        elif ending == "password":
+            people.set_password(Role.OPERATOR, "another password")
+        else:
+            people.team_keys.renew("cgn")
+        assert ended_login(connection) == LOGIN_ENDED
+    people.close()
 
 
 def test_a_server_that_stops_closes_its_pages(service: FakeService) -> None:

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from app.web.reports.field import STEPS, Outlines, Points, RobotBody, field_from
 from vision_core.clock import Instant
 from vision_core.geometry import Floats, rotation
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.models.from_settings import mirror_from
+from vision_core.models.from_settings import mirror_of
 from vision_core.rtdb.infos import ServiceInfo
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import MirrorConstants, Settings
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
 from vision_core.venues.loader import load_settings
 
@@ -28,12 +29,16 @@ def settings() -> Settings:
 
 def test_mirror_table_inverts_the_mirror(settings: Settings) -> None:
     field = field_from(ServiceInfo("1", Instant(0), "", "", settings, ()))
-    mirror = mirror_from(settings)
-    known = [(px, metres) for px, metres in enumerate(field.mirror_m) if metres is not None]
-    assert len(field.mirror_m) == 255
-    assert len(known) == int(mirror.horizon_px) + 1
-    for px, metres in known[:-3]:  # at the horizon a pixel spans more than the rounding
-        assert mirror.px_from_mm(metres * 1000.0) == pytest.approx(px, abs=0.05)
+    own = structs.replace(settings, mirror=structs.replace(settings.mirror, yellow=MirrorConstants(4.2, 0.0131, 91e3)))
+    field = field_from(ServiceInfo("1", Instant(0), "", "", own, ()))
+    assert field.mirror_m["blue"] != field.mirror_m["yellow"]
+    for team in Team:
+        mirror, table = mirror_of(own.mirror, team), field.mirror_m[team]
+        known = [(px, metres) for px, metres in enumerate(table) if metres is not None]
+        assert len(table) == 255
+        assert len(known) == int(mirror.horizon_px) + 1
+        for px, metres in known[:-3]:  # at the horizon a pixel spans more than the rounding
+            assert mirror.px_from_mm(metres * 1000.0) == pytest.approx(px, abs=0.05)
 
 
 def test_painted_lines_lie_where_the_camera_sees_them(settings: Settings) -> None:

@@ -171,9 +171,9 @@ def test_the_mirror_of_one_team(http: httpx.Client, service: FakeService) -> Non
 
 
 def test_the_pages_field_has_the_mirror_in_effect(http: httpx.Client) -> None:
-    before = http.get("/field").json()["mirror_m"]
+    before = http.get("/field").json()["mirror_m"]["blue"]
     http.patch("/settings", json={"changes": {"mirror.a": 4.4, "mirror.b": 0.0138}})
-    assert http.get("/field").json()["mirror_m"] != before
+    assert http.get("/field").json()["mirror_m"]["blue"] != before
 
 
 def test_who_waits_is_admitted_for_a_time_and_turned_away(http: httpx.Client, service: FakeService) -> None:
