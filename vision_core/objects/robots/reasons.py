@@ -74,8 +74,8 @@ def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker, settings: S
         nearest = int(np.argmin(np.abs(np.log(np.maximum(ratios, 1e-9)))))
         return Reason(
             f"no {name} robot: {len(blobs)} {_plural(len(blobs), 'blob')} of color class {name}, but none of the right "
-            f"size; the nearest, at {pixel_of(scene, blobs[nearest])}, has {ratios[nearest]:.2g} times the expected area "
-            f"(accepted: {gates.min_area:g} to {gates.max_area:g})",
+            f"size; the nearest, at {pixel_of(scene, blobs[nearest])}, has {ratios[nearest]:.2g} times the expected "
+            f"area (accepted: {gates.min_area:g} to {gates.max_area:g})",
             "Check robots.height_m, the camera's height and the pattern.",
         )
     best = _best_hypothesis(scene, finder, marker)
@@ -83,8 +83,8 @@ def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker, settings: S
         count = int(accepted.sum())
         return Reason(
             f"no {name} robot: {count} {_plural(count, 'blob')} of color class {name} and of the right size, the first "
-            f"at {pixel_of(scene, blobs[accepted][0])}, without another patch of pattern {pattern_name(settings, marker)} "
-            "near",
+            f"at {pixel_of(scene, blobs[accepted][0])}, without another patch of pattern "
+            f"{pattern_name(settings, marker)} near",
             "Choose the pattern that the robots wear, or widen the classes of its patches.",
         )
     return Reason(
