@@ -4051,44 +4051,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
             /** @description No image yet */
@@ -4097,44 +4060,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": {
-                        /**
-                         * Accepted
-                         * @description What would be accepted.
-                         */
-                        accepted?: string | null;
-                        /**
-                         * Asked
-                         * @description What a request asked for that was understood and refused.
-                         */
-                        asked?: string | null;
-                        /** Detail */
-                        detail: string;
-                        /**
-                         * Field
-                         * @description The setting or the field of a form that is wrong.
-                         */
-                        field?: string | null;
-                        /**
-                         * Found
-                         * @description What was found instead.
-                         */
-                        found?: string | null;
-                        /**
-                         * Instance
-                         * @description Path of the request.
-                         */
-                        instance: string;
-                        /** Status */
-                        status: number;
-                        /** Title */
-                        title: string;
-                        /**
-                         * Type
-                         * @default about:blank
-                         */
-                        type: string;
-                    };
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };
