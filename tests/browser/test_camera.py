@@ -83,9 +83,10 @@ def test_a_click_on_the_picture_chooses_what_is_there(context: BrowserContext, a
     page = opened(context, address)
     page.get_by_label("rejected", exact=True).check()
     expect(page.get_by_role("button", name=re.compile("circle 24 px across"))).to_be_visible()
-    box = page.locator(".camera-stage canvas").bounding_box()
+    canvas = page.locator(".camera-stage canvas")
+    box = canvas.bounding_box()
     assert box is not None
-    page.mouse.click(box["x"] + box["width"] * 200 / 640, box["y"] + box["height"] * 120 / 480)
+    canvas.click(position={"x": box["width"] * 200 / 640, "y": box["height"] * 120 / 480})
     expect(page.get_by_label("What is chosen")).to_contain_text("circle 24 px across")
 
 
