@@ -17,7 +17,7 @@ AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 
 @pytest.fixture
 def service() -> Iterator[FakeService]:
-    with running_service(Scene(clients=2)) as service:
+    with running_service(Scene(clients=2, moving=False)) as service:
         yield service
 
 
