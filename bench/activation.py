@@ -73,7 +73,8 @@ TASKS = tuple(
 )
 """The service's boundary task, of priority 30 too, begins 13 ms into every other period and meets none of these."""
 TRACKERS_OFF = [
-    f"{name} = {{ enabled = false }}" for name in ("obstacles", "boundary", "lines", "exposure", "colors", "diagnose")
+    f"{name} = {{ enabled = false }}"
+    for name in ("obstacles", "boundary", "lines", "exposure", "colors", "diagnose", "overlay")
 ]
 
 

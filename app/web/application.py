@@ -24,6 +24,7 @@ from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
 from app.web.live.connection import Live
 from app.web.live.messages import LiveMessages
+from app.web.live.overlays import Overlays
 from app.web.middleware.gate import Gate
 from app.web.middleware.head import HeadLikeGet
 from app.web.middleware.security_headers import SecurityHeaders
@@ -53,8 +54,8 @@ DESCRIPTION = """What every robot on the field would see, from one ceiling camer
 Robots use UDP; this API is for people and tools. Everybody may read; changes need the operator.
 
 The page uses the WebSocket `/live?topics=status,world`: each message that a client sends is answered by the newest
-messages of these topics, then by `{"topic": "end"}`. Topics: status, world, views, picture, sightings, timing, log
-(for the operator), and view/blue/3 for one robot; docs/live.md describes them."""
+messages of these topics, then by `{"topic": "end"}`. Topics: status, world, views, picture, sightings, timing,
+overlay/LAYER, log (for the operator), and view/blue/3 for one robot; docs/live.md describes them."""
 
 
 def create_app(store: Store) -> FastAPI:
@@ -66,7 +67,9 @@ def create_app(store: Store) -> FastAPI:
     task = own_line(service.tasks)
     metrics = TaskMetrics(store, task, task.process)
     monitor = HealthMonitor()
-    live = Live(blackboard, LiveMessages(blackboard, monitor, configuration), configuration, metrics)
+    overlays = Overlays(store, blackboard.camera.name)
+    messages = LiveMessages(blackboard, monitor, configuration, overlays)
+    live = Live(blackboard, messages, configuration, metrics)
     view3d = View3D(blackboard, configuration)
 
     @asynccontextmanager

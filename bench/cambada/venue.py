@@ -10,7 +10,7 @@ from bench.cambada.paper import RATE_HZ, TASKS
 
 IMAGES, LOGS, VENUE = "images", "logs", "venue.toml"
 """Names in the experiment's folder."""
-DISABLED = ("obstacles", "boundary", "lines", "exposure", "colors", "diagnose")
+DISABLED = ("obstacles", "boundary", "lines", "exposure", "colors", "diagnose", "overlay")
 PRIORITIES = {"perceive": 12, "serve": 11}
 """Of the service's own tasks that stay enabled: below all of the paper's."""
 BUDGETS_MS = {"avoid_om": 7.0, "avoid_fr": 9.0}

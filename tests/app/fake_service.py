@@ -23,6 +23,7 @@ from msgspec import to_builtins
 from app.web.application import create_app
 from app.web.auth.people import People
 from app.web.server import server_config
+from tests.app.fake_overlay import FakeOverlays
 from tests.app.fake_picture import FakePicture, Pose
 from tests.app.fake_tasks import (
     SPARES,
@@ -63,6 +64,8 @@ from vision_core.venues.loader import layers_of, load_settings, settings_from_la
 
 CAMERA = "main"
 OPTIONS = Layer("command line", {}, kind=LayerKind.OPTIONS)
+OVERLAY_EVERY = 8
+"""Frames between two overlays."""
 OBSTACLES = ((0.05, 0.95, 0.11), (-0.1, -0.45, 0.06))
 """Shares of half the field's length and width, radius [m]."""
 
@@ -103,6 +106,8 @@ class FakeService:
         self.store = Store(self.specs, self.block)
         self.boot = self.clock.now()
         self._live = self.store.reader(records.LIVE_SETTINGS.spec.name)
+        self._looking = records.LOOKING.reader(self.store)
+        self._overlays = FakeOverlays(self.settings)
         self._writers = {spec.name: self.store.writer(spec.name) for spec in self.specs}
         self._camera = CameraSetup.from_settings(self.settings).model
         self._picture = FakePicture(self.settings, self._things())
@@ -166,7 +171,11 @@ class FakeService:
         self._writers[f"frames/{CAMERA}"].write(pixels.tobytes(), grabbed, self.clock.now())
         source = SourceInfo("synthetic", "simulated ceiling camera", self.scene.repeats, 30.0)
         self.put(records.source(CAMERA), source)
-        self.put(records.sightings(CAMERA), self._sightings(poses, ball, grabbed), grabbed)
+        sightings = self._sightings(poses, ball, grabbed)
+        self.put(records.sightings(CAMERA), sightings, grabbed)
+        look = self._looking.read(self.clock.now())
+        if look and look.value.until > self.clock.now() and self._frames % OVERLAY_EVERY == 0:
+            self.put(records.overlay(CAMERA), self._overlays.drawn(look.value, sightings, pixels), grabbed)
         self.put(records.obstacles(CAMERA), self._obstacles(grabbed), grabbed)
         self.put(records.diagnosis(CAMERA), Diagnosis(CAMERA, self._frames, grabbed, self.scene.reasons), grabbed)
         for item, finding in findings(CAMERA, self._frames, grabbed):

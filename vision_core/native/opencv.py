@@ -117,6 +117,13 @@ def encode_jpeg(image: Bytes, quality: int = 80) -> bytes:
     return data.tobytes()
 
 
+def encode_png(image: Bytes) -> bytes:
+    """A picture, grey or blue green red, as the bytes of a PNG file."""
+    is_encoded, data = cv2.imencode(".png", image)
+    assert is_encoded
+    return data.tobytes()
+
+
 def draw_circle(image: Bytes, center_px: Point, radius_px: float, bgr: Color, thickness_px: int = 1) -> None:
     """Draw a circle into a picture, to a 16th of a pixel; nothing where it lies outside."""
     cv2.circle(image, _fixed(center_px), round(radius_px * FIXED), bgr, thickness_px, cv2.LINE_AA, FIXED_BITS)

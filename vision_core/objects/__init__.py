@@ -22,7 +22,7 @@ that of a patch.
 
 What is not known is reported as unknown, never guessed: a robot without a readable marker has id NO_ID, and so have two
 robots with the same marker. ``reasons`` in both folders calls the same kernels and explains in sentences why an object
-is not found or a robot has no id.
+is not found or a robot has no id; ``verdicts`` say it of each blob.
 
 Folders and files: ``robots/``, ``ball/``, ``observation`` (what both get of a frame), ``field_limits`` (where both are
 accepted), ``circle_fit`` (centers finer than a pixel), ``obstacles``.

@@ -13,7 +13,8 @@ from vision_core.native.kernels import box
 from vision_core.objects.ball.reasons import explain_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder
-from vision_core.objects.robots.reasons import Scene, explain_robots
+from vision_core.objects.robots.reasons import explain_robots
+from vision_core.objects.robots.scene import Scene
 from vision_core.pipeline.perception import Perception, perceive_picture
 from vision_core.regions.exposure import exposure_reasons, field_pixels
 from vision_core.regions.line_fit import shift_reasons

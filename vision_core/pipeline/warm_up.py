@@ -19,6 +19,7 @@ from vision_core.objects.ball.finder import find_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots
 from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.pipeline.overlay import OverlayMaker
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.scheduling.attachment import end_with
@@ -26,17 +27,20 @@ from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
+from vision_core.types.overlay import Layer
 from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
 
 
 def perception(settings: Settings) -> None:
-    """Perceive an empty picture, and explain why nothing is seen in noise."""
+    """Perceive an empty picture, explain why nothing is seen in noise, and draw what is."""
     setup = CameraSetup.from_settings(settings)
     stage = Perception(settings, setup)
     stage.warm_up()
     noise = np.random.default_rng(1).integers(0, 255, setup.shape, dtype=np.uint8)
-    seen = stage.perceive(ImageFrame(setup.name, 1, Instant(0), noise), ManualClock()).record()
+    frame = ImageFrame(setup.name, 1, Instant(0), noise)
+    seen = stage.perceive(frame, ManualClock()).record()
     reasons_of(stage, seen)
+    OverlayMaker(stage).make(frame, (Layer.HYPOTHESES,), ManualClock())
 
 
 def views(settings: Settings) -> None:

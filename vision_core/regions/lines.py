@@ -10,6 +10,7 @@ from vision_core.models.camera import CameraModel
 from vision_core.models.field import painted_points
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.colors import LUMA_BGR
+from vision_core.types.overlay import PaintedLine
 from vision_core.types.reasons import Reason
 from vision_core.types.regions import LineCheck
 
@@ -33,6 +34,8 @@ MAX_OUTSIDE = 0.5
 """Share of the lines' points that may lie outside of the picture."""
 PROFILE_STEP_PX, PROFILE_EVERY = 0.5, 2
 """A line's profile is sampled in such steps across it, at one of so many of its points."""
+SHOWN_POINTS = 16
+"""Points by which a line is drawn."""
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)])
 
 
@@ -47,6 +50,11 @@ class _MeasuredLine:
     offset_px: float
     """Distance of the line from its place, by its profile."""
 
+    @property
+    def is_found(self) -> bool:
+        """Does enough of it show paint?"""
+        return self.painted > MIN_PAINTED
+
 
 def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> LineCheck:
     """How well the painted lines of the field match an image.
@@ -57,13 +65,7 @@ def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Line
     lines = painted_points(field, POINTS_PER_LINE)
     if not lines:
         return LineCheck(0, 0, None, None, 0.0)
-    width_px = field.line_width_m * camera.pixels_per_metre((0.0, 0.0))
-    if not width_px <= max(pixels.shape[:2]):
-        raise SettingsError(
-            "camera: width of the field's painted lines in the picture",
-            found=f"{width_px:.3g} px",
-            accepted=f"at most the picture's {max(pixels.shape[:2])} px: check camera position and calibration points",
-        )
+    width_px = _width_px(pixels, field, camera)
     placed = [camera.pixel_from_field(points) for points in lines]
     within = [_inside(line, pixels.shape[:2]) for line in placed]
     outside = 1.0 - float(np.concatenate(within).mean())
@@ -71,7 +73,7 @@ def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Line
         return LineCheck(0, 0, None, None, outside)
     measured = [_measure(pixels, line, inside, width_px) for line, inside in zip(placed, within, strict=True)]
     known = [line for line in measured if line is not None]
-    found = [line for line in known if line.painted > MIN_PAINTED]
+    found = [line for line in known if line.is_found]
     points = sum(line.points for line in known)
     return LineCheck(
         known=len(known),
@@ -80,6 +82,50 @@ def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Line
         residual_px=float(np.median([abs(line.offset_px) for line in found])) if found else None,
         outside=outside,
     )
+
+
+def judged_lines(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tuple[PaintedLine, ...]:
+    """Every painted line of which a part is in the picture, with the verdict of ``line_check`` on it.
+
+    Takes its arguments, and raises SettingsError as it does.
+    """
+    lines = painted_points(field, POINTS_PER_LINE)
+    width_px = _width_px(pixels, field, camera) if lines else 0.0
+    found = []
+    for points in lines:
+        line = camera.pixel_from_field(points)
+        inside = _inside(line, pixels.shape[:2])
+        if inside.any():
+            found.append(_verdict(pixels, line, inside, width_px))
+    return tuple(found)
+
+
+def _verdict(pixels: Bytes, line: Floats, inside: Mask, width_px: float) -> PaintedLine:
+    """A line that is at least partly in the picture, and whether its paint is where it should be."""
+    kept = np.flatnonzero(inside)[np.linspace(0, inside.sum() - 1, SHOWN_POINTS).round().astype(np.intp)]
+    points = tuple((x, y) for x, y in line[np.unique(kept)].round(1).tolist())
+    if width_px < MIN_WIDTH_PX:
+        return PaintedLine(points, False, None, f"{width_px:.2g} px wide", f"{MIN_WIDTH_PX:g} px or more to judge it")
+    measured = _measure(pixels, line, inside, width_px)
+    if measured is None:
+        share, least = inside.mean(), MIN_POINTS / POINTS_PER_LINE
+        return PaintedLine(points, False, None, f"{share:.0%} of it in the picture", f"{least:.0%} or more to judge it")
+    if not measured.is_found:
+        found, accepted = f"paint on {measured.painted:.0%} of its length", f"more than {MIN_PAINTED:.0%}"
+        return PaintedLine(points, False, None, found, accepted)
+    return PaintedLine(points, True, measured.offset_px)
+
+
+def _width_px(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> float:
+    """Width of the painted lines in the picture's middle. Raises SettingsError when it is wider than the picture."""
+    width_px = field.line_width_m * camera.pixels_per_metre((0.0, 0.0))
+    if not width_px <= max(pixels.shape[:2]):
+        raise SettingsError(
+            "camera: width of the field's painted lines in the picture",
+            found=f"{width_px:.3g} px",
+            accepted=f"at most the picture's {max(pixels.shape[:2])} px: check camera position and calibration points",
+        )
+    return float(width_px)
 
 
 def line_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tuple[Reason, ...]:

@@ -10,6 +10,7 @@
 | sightings/<camera> | perceive | robots and balls of one frame |
 | obstacles/<camera> | obstacles | things that are no known robot |
 | diagnosis/<camera> | diagnose | why nothing or too little is seen |
+| overlay/<camera> | overlay | what is drawn over the picture, while somebody looks |
 | world | serve | tracks at the frame's instant |
 | views | serve | what every robot would see, as it is sent |
 | serving | serve | clients, rates and lags |
@@ -24,6 +25,7 @@
 | log | log_reader | the newest lines that the processes printed: see ``log_record`` |
 | selftest | supervisor | how well this machine keeps time |
 | live_settings | web | the settings that hold from the next frame on |
+| looking | web | until when somebody looks at an overlay, and at which layers |
 | task/<task> | each task | its times, policy and metrics |
 | timing/<task> | each task | its histograms |
 | heartbeat/<process> | each process | nothing: its age shows that the process is alive |
@@ -49,6 +51,7 @@ from vision_core.rtdb.items import AnyRecord, CameraRecord, Item, packed, per_ca
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.timing.histogram import size_of
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
+from vision_core.types.overlay import Looking, Overlay
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 from vision_core.types.tables import SightingsTable, ViewsTable, WorldTable
 from vision_core.types.tracks import World
@@ -70,7 +73,10 @@ SERVING = packed("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
 LAG_HISTOGRAMS = RecordSpec("lags", size_of(LAGS), 2.0)
 LIVE_SETTINGS = packed("live_settings", LiveSettings, 65536, 0.0)
+LOOKING = packed("looking", Looking, 256, 0.0)
 SELF_TEST = packed("selftest", SelfTest, 2048, 0.0)
+MAX_OVERLAY = 393216
+"""Size of an overlay [bytes]; ``pipeline.overlay`` keeps within it."""
 
 
 source = per_camera("source", SourceInfo, 16384, 0.0)
@@ -81,6 +87,7 @@ boundary = per_camera("boundary", Finding[FieldBoundary], 16384, WATCHED_S)
 lines = per_camera("lines", Finding[LineCheck], 4096, WATCHED_S)
 exposure = per_camera("exposure", Finding[ExposureCheck], 4096, WATCHED_S)
 colors = per_camera("colors", Finding[ColorDrift], 4096, WATCHED_S)
+overlay = per_camera("overlay", Overlay, MAX_OVERLAY, 3.0)
 frame_requests = per_camera("frame_requests", FrameRequest, 256, 0.0)
 frames_done = per_camera("frames_done", FrameDone, 256, 0.0)
 

@@ -4,6 +4,7 @@
        source (renders)   |                                 | |
                           +-> obstacles --------------------+ |
                           +-> boundary, lines, exposure, colors, diagnose      web <- everything that was written
+                          +-> overlay <- looking <- web
 
 This table declares what releases a task, what it reads and what it writes. The settings (``[tasks]`` of
 config/default.toml) declare its times: priority, period, offset, budget, process. A venue may add its own tasks there.
@@ -90,14 +91,16 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     )
     yield from watchers
     yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
+    looks, overlay = records.LOOKING.name, records.overlay(camera).name
+    yield line("overlay", PERIOD, [frames, looks], [overlay], purpose="draws what is found, while somebody looks")
     watched = [record for task in watchers for record in task.writes]
-    shown = [frames, source, sightings, obstacles, *watched, diagnosis]
+    shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay]
     shown += ["processes", "selftest", "log", "world", "views", "serving", "lags"]
     yield line(
         "web",
         NONE,
         shown,
-        ["live_settings", "restart_request"],
+        ["live_settings", "restart_request", looks],
         sockets=("http",),
         needs_kernels=False,
         purpose="shows this page",
@@ -192,6 +195,8 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
         *(item.spec for item in catalog(camera.name)),
         *(kind(camera.name).spec for kind in records.HANDSHAKE),
         records.RESTART_REQUEST.spec,
+        records.LOOKING.spec,
+        records.overlay(camera.name).spec,
         records.SESSIONS,
         records.LAG_HISTOGRAMS,
         records.frames(camera.name, *camera.size_px),

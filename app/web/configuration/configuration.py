@@ -98,6 +98,11 @@ class Configuration:
             self._judged(self._with(values), what)
             return [EntryChange(key, self._entries.get(key), value) for key, value in sorted(values.items())]
 
+    def with_changes(self, values: Mapping[str, Any], what: str) -> Settings:
+        """The settings as they would be after a change. Raises RequestRefused when the service could not run so."""
+        with self._lock:
+            return self._judged(self._with(values), what)
+
     def end_session(self, team: Team, number: int, since: Instant) -> None:
         """End one session of a client; another init of the same client is accepted again."""
         with self._lock:

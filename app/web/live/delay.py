@@ -1,4 +1,4 @@
-"""What viewers see of a match, and when: world, views and pictures some seconds late."""
+"""What viewers see of a match, and when: world, views, pictures and what is drawn over them some seconds late."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from vision_core.clock import Instant, seconds_between
 
 DELAYED = frozenset({"world", "views", "picture", "sightings"})
-"""Topics that tell where things are; ``view/...`` as well."""
+"""Topics that tell where things are; ``view/...`` and ``overlay/...`` as well."""
+PREFIXES = ("view/", "overlay/")
 
 
 def is_delayed(topic: str) -> bool:
     """Does a topic tell where things are?"""
-    return topic in DELAYED or topic.startswith("view/")
+    return topic in DELAYED or topic.startswith(PREFIXES)
 
 
 @dataclass(frozen=True, slots=True)

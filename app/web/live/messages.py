@@ -1,13 +1,14 @@
 """Makes the messages for open pages: each once for all pages, while a page has subscribed to its topic, at its rate."""
 
 import asyncio
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 
 from app.web.blackboard import Blackboard
 from app.web.configuration.configuration import Configuration
 from app.web.health.monitor import HealthMonitor
 from app.web.live import topics
 from app.web.live.delay import History, Message, is_delayed
+from app.web.live.overlays import LAYER_OF, Overlays
 from app.web.reports.field import Outlines
 from vision_core.clock import Instant, seconds_between
 from vision_core.protocol.edge_codes import edge_codes
@@ -22,12 +23,13 @@ EVERY_S = {
     "sightings": 1.0 / 15.0,
     "timing": 0.5,
     "log": 0.25,
+    **dict.fromkeys(LAYER_OF, 0.2),
 }
 """Shortest time between two messages of a topic [s]; 0: with every frame."""
 TOPICS = tuple(EVERY_S)
 OPERATORS_TOPICS = frozenset({"log"})
 """Topics with addresses of people."""
-ONLY_NEW = ("picture", "log")
+ONLY_NEW = frozenset({"picture", "log", *LAYER_OF})
 """Topics without a message when nothing is new."""
 VIEW_PREFIX = "view/"
 MAX_SILENCE_S = 0.25
@@ -54,8 +56,11 @@ def robot_of(topic: str, numbers: int) -> tuple[Team, int] | None:
 class LiveMessages:
     """Makes and keeps the messages of each topic."""
 
-    def __init__(self, blackboard: Blackboard, monitor: HealthMonitor, configuration: Configuration) -> None:
+    def __init__(
+        self, blackboard: Blackboard, monitor: HealthMonitor, configuration: Configuration, overlays: Overlays
+    ) -> None:
         self._blackboard = blackboard
+        self._overlays = overlays
         self._monitor = monitor
         self._configuration = configuration
         self._outlines = Outlines(blackboard.service.settings)
@@ -84,9 +89,10 @@ class LiveMessages:
         for topic in self._histories.keys() - set(subscribed):
             del self._histories[topic]
 
-    async def make(self, subscribed: Iterable[str], pages: int) -> bool:
+    async def make(self, subscribed: Collection[str], pages: int) -> bool:
         """Make the messages of the topics that have news; False when none has. pages: number of open pages."""
         now = self._blackboard.now()
+        self._overlays.look(subscribed, now)
         due = [topic for topic in subscribed if self._is_due(topic, now)]
         fresh = False
         for topic in due:
@@ -114,6 +120,8 @@ class LiveMessages:
             return self._blackboard.picture_number
         if topic == "log":
             return self._blackboard.log_number
+        if topic in LAYER_OF:
+            return self._overlays.number
         if topic == "sightings":
             return self._blackboard.sequence_of(records.sightings)
         if topic == "world":
@@ -128,6 +136,7 @@ class LiveMessages:
             "timing": self._timing,
             "log": self._log,
             "status": lambda: self._status(pages),
+            **dict.fromkeys(LAYER_OF, lambda: self._overlay(topic)),
         }
         if topic in make:
             return await asyncio.to_thread(make[topic])
@@ -149,6 +158,13 @@ class LiveMessages:
     def _picture(self) -> bytes | None:
         picture = self._blackboard.picture()
         return None if picture is None else topics.picture_message(picture, self._blackboard.service.boot)
+
+    def _overlay(self, topic: str) -> str | None:
+        overlay = self._overlays.newest()
+        content = None if overlay is None else getattr(overlay, LAYER_OF[topic])
+        if overlay is None or content is None:
+            return None
+        return topics.overlay_message(topic, self._blackboard.service.boot, self._blackboard.now(), overlay, content)
 
     def _timing(self) -> str:
         return topics.timing_message(self._blackboard.read(), self._blackboard.timings())

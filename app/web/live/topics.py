@@ -26,6 +26,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.items import Timed
 from vision_core.rtdb.log_record import ServiceLog
 from vision_core.types.objects import Team
+from vision_core.types.overlay import Overlay
 from vision_core.types.tables import TEAM_NUMBER
 from vision_core.types.tracks import World
 from vision_core.types.views import Views, ViewSnapshot
@@ -177,6 +178,12 @@ def sightings_message(snapshot: ServiceSnapshot, outlines: Outlines) -> str:
         obstacles=obstacles,
         obstacle_outlines_px=outlines.of_obstacles(obstacles.value.obstacles) if obstacles else [],
     )
+
+
+def overlay_message(topic: str, boot: Instant, now: Instant, overlay: Overlay, content: object) -> str:
+    """One layer of an overlay; bytes become base64, and nan null."""
+    grabbed_s = seconds_between(boot, overlay.grabbed)
+    return encoded(topic, boot, now, frame=overlay.frame_number, grabbed_s=grabbed_s, content=content)
 
 
 def timing_message(snapshot: ServiceSnapshot, timings: Timings) -> str:

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query, Request, Response
 from pydantic import ConfigDict
 
 from app.web.auth.identity import identity_of
+from app.web.configuration import sources
 from app.web.configuration.catalog import SettingReport, catalog_of
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.exchange import Export, changes_to, export_of
@@ -53,6 +54,21 @@ class Seen(Report):
     revision: int
 
 
+class SourcesReport(Report):
+    """Where images can come from."""
+
+    revision: int
+    """Number of the newest change of settings."""
+    uri: str
+    """The one that the settings choose."""
+    running: str
+    """The one with which the service runs."""
+    choices: list[str]
+    """The simulated camera, the two above, and every camera of this machine."""
+    is_chosen_at_start: bool
+    """The command line has chosen it: the settings cannot."""
+
+
 def settings_routes(configuration: Configuration, service: ServiceInfo) -> APIRouter:
     """Reading and changing settings."""
     router = APIRouter(prefix="/api/v1", tags=["settings"])
@@ -76,7 +92,23 @@ def settings_routes(configuration: Configuration, service: ServiceInfo) -> APIRo
         """Changes settings. Those that can be are applied at the next frame; the others wait for a restart."""
         values = {setting(key): value for key, value in patch.changes.items()}
         what = f"set {', '.join(sorted(patch.changes))[:120]}"
+        if sources.KEY in patch.changes:
+            wanted = configuration.with_changes(values, what)
+            if wanted.source.uri != configuration.settings.source.uri or sources.is_chosen_at_start(service):
+                sources.check_source(wanted, service)
         return change(configuration, values, request, what, patch.revision)
+
+    @router.get("/sources")
+    def sources_() -> SourcesReport:
+        """Sources of images to choose from; ``source.uri`` chooses one, which takes effect with the next start."""
+        wanted, running = configuration.settings.source.uri, service.settings.source.uri
+        return SourcesReport(
+            revision=configuration.revision,
+            uri=wanted,
+            running=running,
+            choices=sources.sources_with(running, wanted),
+            is_chosen_at_start=sources.is_chosen_at_start(service),
+        )
 
     @router.get("/settings/history")
     def history(limit: int = Query(default=HISTORY, ge=1, le=HISTORY)) -> list[ChangeReport]:

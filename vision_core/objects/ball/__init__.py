@@ -1,1 +1,1 @@
-"""The ball: ``finder`` in the hot path, ``reasons`` for people."""
+"""The ball: ``finder`` in the hot path, ``reasons`` and ``verdicts`` for people."""

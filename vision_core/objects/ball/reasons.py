@@ -42,26 +42,32 @@ def explain_balls(
     best = max(range(len(blobs)), key=lambda row: (gates[row], candidates[row].confidence))
     place = f"({blobs[best]['x_px']:.0f}, {blobs[best]['y_px']:.0f}) px"
     count = f"{len(blobs)} {color} {'blob' if len(blobs) == 1 else 'blobs'}"
-    numbers = f"the best candidate for the ball, at {place}, {_numbers(gates[best], candidates[best], finder)}"
+    found, accepted = found_and_accepted(gates[best], candidates[best], finder)
+    numbers = f"the best candidate for the ball, at {place}, {found}; accepted: {accepted}"
     return (
         Reason(f"no ball: {count}: {', '.join(parts)}", "Lay the ball where nothing of its color is near."),
         Reason(numbers, f"If that is the ball, change the limit that stops it; if not, look for {color} that is none."),
     )
 
 
-def _numbers(gate: int, blob: Candidate, finder: BallFinder) -> str:
-    """What stopped a blob, with the value found and the values accepted."""
+def found_and_accepted(gate: int, blob: Candidate, finder: BallFinder) -> tuple[str, str]:
+    """What stopped a blob at a gate: what it has or where it lies, and what is accepted there."""
     area = f"has {blob.area_ratio:.2g} times the area expected from camera height and ball radius"
+    x_m, y_m = finder.extents_m[:2].tolist()
     texts = {
-        OFF_FIELD: f"lies at ({blob.x_m:.2f}, {blob.y_m:.2f}) m, off the field",
-        TOO_SMALL: f"{area}; accepted: {finder.min_area:g} or more",
-        TOO_LARGE: f"{area}; accepted: {finder.max_area:g} or less",
-        TOO_LONG: f"is {blob.elongation:.1f} times as long as wide; accepted: {finder.max_elongation:g} or less",
-        TOO_RAGGED: f"fills {blob.fill:.2f} of its bounding box; accepted: {finder.min_fill:g} or more",
-        ON_ROBOT: f"lies {blob.robot_m * 1000.0:.0f} mm from a robot's center; accepted: "
-        f"{finder.inside_robot_m * 1000.0:.0f} or more",
-        WRONG_SURROUNDINGS: f"has a color of ball.surrounding on {blob.surrounding:.0%} of the ring round it; "
-        f"accepted: {finder.min_surrounding:.0%} or more",
+        OFF_FIELD: (f"lies at ({blob.x_m:.2f}, {blob.y_m:.2f}) m", f"up to ±{x_m:.2f} m, ±{y_m:.2f} m, or in a goal"),
+        TOO_SMALL: (area, f"{finder.min_area:g} or more"),
+        TOO_LARGE: (area, f"{finder.max_area:g} or less"),
+        TOO_LONG: (f"is {blob.elongation:.1f} times as long as wide", f"{finder.max_elongation:g} or less"),
+        TOO_RAGGED: (f"fills {blob.fill:.2f} of its bounding box", f"{finder.min_fill:g} or more"),
+        ON_ROBOT: (
+            f"lies {blob.robot_m * 1000.0:.0f} mm from a robot's center",
+            f"{finder.inside_robot_m * 1000.0:.0f} or more",
+        ),
+        WRONG_SURROUNDINGS: (
+            f"has a color of ball.surrounding on {blob.surrounding:.0%} of the ring round it",
+            f"{finder.min_surrounding:.0%} or more",
+        ),
     }
-    confidence = f"has confidence {blob.confidence:.2f}; accepted: {finder.min_confidence:g} or more"
-    return texts.get(gate, f"{confidence} (it {area} and is {blob.elongation:.1f} times as long as wide)")
+    shape = f"it {area} and is {blob.elongation:.1f} times as long as wide"
+    return texts.get(gate, (f"has confidence {blob.confidence:.2f} ({shape})", f"{finder.min_confidence:g} or more"))

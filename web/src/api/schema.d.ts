@@ -524,6 +524,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/snapshot.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Snapshot Png
+         * @description The same without loss, as a file that is named after its source and the time of day.
+         */
+        get: operations["snapshot_png_api_v1_snapshot_png_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/sources": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Sources
+         * @description Sources of images to choose from; ``source.uri`` chooses one, which takes effect with the next start.
+         */
+        get: operations["sources__api_v1_sources_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/status": {
         parameters: {
             query?: never;
@@ -2131,6 +2171,37 @@ export interface components {
             /**
              * Uri
              * @description As in the settings: "synthetic", "file:PATH" or "camera:DEVICE".
+             */
+            uri: string;
+        };
+        /**
+         * SourcesReport
+         * @description Where images can come from.
+         */
+        SourcesReport: {
+            /**
+             * Choices
+             * @description The simulated camera, the two above, and every camera of this machine.
+             */
+            choices: string[];
+            /**
+             * Is Chosen At Start
+             * @description The command line has chosen it: the settings cannot.
+             */
+            is_chosen_at_start: boolean;
+            /**
+             * Revision
+             * @description Number of the newest change of settings.
+             */
+            revision: number;
+            /**
+             * Running
+             * @description The one with which the service runs.
+             */
+            running: string;
+            /**
+             * Uri
+             * @description The one that the settings choose.
              */
             uri: string;
         };
@@ -4091,6 +4162,64 @@ export interface operations {
                 };
                 content: {
                     "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    snapshot_png_api_v1_snapshot_png_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The newest picture in full size */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
+            };
+            /** @description In a match only the operator sees where everything is now */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description No image yet */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    sources__api_v1_sources_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourcesReport"];
                 };
             };
         };

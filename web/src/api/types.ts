@@ -21,6 +21,7 @@ export type TeamRequest = Schemas["TeamRequest"];
 export type Match = Schemas["MatchReport"];
 export type Setting = Schemas["SettingReport"];
 export type Settings = Schemas["SettingsReport"];
+export type Sources = Schemas["SourcesReport"];
 export type Change = Schemas["ChangeReport"];
 export type Exported = Schemas["Export"];
 export type Me = Schemas["Me"];

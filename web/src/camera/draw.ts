@@ -1,19 +1,16 @@
 // The camera's picture with what was seen in it.
 
-import type { Field } from "../api/types";
+import type { Color, Field } from "../api/types";
 import { cleared, color, freeBox, outlinedText, robotLabel, type Box } from "../canvas/drawing";
-import type { SightingsMessage } from "../live/messages";
+import type { Hypothesis, SightingsMessage } from "../live/messages";
+import { drawChosen, drawLayers, type Overlay } from "./drawLayers";
+import type { Item } from "./found";
+import type { Layers } from "./layers";
+import { scaleOf, type Size, type View } from "./view";
 
 const BALL_RING_PX = 9;
 const LABEL_HIGH_PX = 13;
 const OBSTACLE_COLOR = "#f0a0f0"; // brighter than elsewhere: pictures are dark
-
-export interface Overlays {
-  robots: boolean;
-  ball: boolean;
-  obstacles: boolean;
-  lines: boolean;
-}
 
 type Points = [number, number][];
 
@@ -26,58 +23,90 @@ interface Label {
   rank: number;
 }
 
-export function drawPicture(
-  canvas: HTMLCanvasElement,
-  bitmap: ImageBitmap,
-  field: Field,
-  size: { width_px: number; height_px: number },
-  seen: SightingsMessage | null,
-  show: Overlays,
-): void {
-  const { pen, width, height } = cleared(canvas);
-  const scale = Math.min(width / size.width_px, height / size.height_px);
-  pen.translate((width - size.width_px * scale) / 2, (height - size.height_px * scale) / 2);
-  pen.drawImage(bitmap, 0, 0, size.width_px * scale, size.height_px * scale);
-  pen.font = "600 11px system-ui, sans-serif";
-  pen.textAlign = "center";
-  if (show.lines) drawLines(pen, field.painted_px as Points[], scale);
-  const sightings = seen?.sightings?.valid ? seen.sightings.value : null;
-  if (!seen || !sightings) return;
-  const labels: Label[] = [];
-  if (show.robots) {
-    sightings.robots.forEach((robot, index) => {
-      const outline = seen.outlines_px[index] ?? [];
-      const shade = robot.team === "blue" ? "#6cacff" : color("yellow-body");
-      pen.setLineDash(robot.id === null ? [4, 3] : []);
-      trace(pen, outline, scale, shade);
-      if (robot.heading_rad !== null && outline[0]) {
-        pen.moveTo(robot.x_px * scale, robot.y_px * scale);
-        pen.lineTo(outline[0][0] * scale, outline[0][1] * scale);
-      }
-      pen.stroke();
-      pen.setLineDash([]);
-      const text = `${robotLabel(field, robot.team, robot.id)} ${Math.round(robot.confidence * 100)}%`;
-      labels.push({ text, ...place(robot, outline, scale), fill: shade, rank: robot.id === null ? 3 : 2 });
-    });
-  }
-  if (show.obstacles && seen.obstacles?.valid) {
-    seen.obstacles.value.obstacles.forEach((thing, index) => {
-      const outline = seen.obstacle_outlines_px[index] ?? [];
-      trace(pen, outline, scale, OBSTACLE_COLOR);
-      pen.stroke();
-      labels.push({ text: "?", ...place(thing, outline, scale), fill: OBSTACLE_COLOR, rank: 3 });
-    });
-  }
-  if (show.ball) sightings.balls.forEach((ball, index) => labels.push(drawBall(pen, ball, index, scale)));
-  writeLabels(pen, labels, size.width_px * scale, size.height_px * scale);
+/** What is to be drawn. */
+export interface Shown {
+  bitmap: ImageBitmap;
+  seen: SightingsMessage | null;
+  overlay: Overlay;
+  /** The overlay is much older than the picture. */
+  isOverlayOld: boolean;
+  show: Layers;
+  /** What the pointer or the list is at. */
+  chosen: (Item | null)[];
 }
 
-function drawLines(pen: CanvasRenderingContext2D, lines: Points[], scale: number): void {
-  pen.strokeStyle = "#5ef0ff";
-  pen.lineWidth = 1;
+const LARGE_PIXELS = 4; // canvas pixels per picture pixel from which on pixels are shown as squares
+
+/** Draw a part of the picture with everything on it. size: of the camera's picture [px]. */
+export function drawPicture(canvas: HTMLCanvasElement, field: Field, size: Size, view: View, shown: Shown): void {
+  const { pen, width, height } = cleared(canvas);
+  const scale = scaleOf(view, { width, height }, size);
+  const drawn: [number, number] = [size.width * scale, size.height * scale];
+  pen.translate(view.x, view.y);
+  pen.imageSmoothingEnabled = scale < LARGE_PIXELS;
+  pen.drawImage(shown.bitmap, 0, 0, ...drawn);
+  pen.imageSmoothingEnabled = true;
+  pen.font = "600 11px system-ui, sans-serif";
+  pen.textAlign = "center";
+  if (shown.isOverlayOld) pen.filter = "grayscale(1) opacity(0.55)";
+  drawLayers(pen, scale, drawn, shown.overlay, shown.show.rejected);
+  pen.filter = "none";
+  const labels = [...thingLabels(pen, scale, field, shown), ...obstacleLabels(pen, scale, shown)];
+  writeLabels(pen, labels, ...drawn);
+  for (const item of shown.chosen) if (item) drawChosen(pen, scale, item);
+}
+
+/** Robots and balls: those of the overlay where there is one, since it belongs to the picture. */
+function thingLabels(pen: CanvasRenderingContext2D, scale: number, field: Field, { seen, overlay, show }: Shown): Label[] {
+  if (!show.robots) return [];
+  if (overlay.hypotheses) return overlay.hypotheses.content.shown.filter((one) => one.is_accepted).map((one) => drawAccepted(pen, scale, field, one));
+  const sightings = seen?.sightings?.valid ? seen.sightings.value : null;
+  if (!seen || !sightings) return [];
+  const robots = sightings.robots.map((robot, index) => {
+    const outline = seen.outlines_px[index] ?? [];
+    const shade = teamShade(robot.team);
+    pen.setLineDash(robot.id === null ? [4, 3] : []);
+    trace(pen, outline, scale, shade);
+    if (robot.heading_rad !== null && outline[0]) {
+      pen.moveTo(robot.x_px * scale, robot.y_px * scale);
+      pen.lineTo(outline[0][0] * scale, outline[0][1] * scale);
+    }
+    pen.stroke();
+    pen.setLineDash([]);
+    const text = `${robotLabel(field, robot.team, robot.id)} ${Math.round(robot.confidence * 100)}%`;
+    return { text, ...place(robot, outline, scale), fill: shade, rank: robot.id === null ? 3 : 2 };
+  });
+  return [...robots, ...sightings.balls.map((ball, index) => drawBall(pen, ball, index, scale))];
+}
+
+/** An accepted robot or ball of an overlay: a circle of its size. */
+function drawAccepted(pen: CanvasRenderingContext2D, scale: number, field: Field, one: Hypothesis): Label {
+  const percent = `${Math.round((one.confidence ?? 0) * 100)}%`;
+  if (one.what === "ball") return { ...drawBall(pen, one, 0, scale), text: `ball ${percent}` };
+  const team = one.what.startsWith("blue") ? "blue" : "yellow";
+  const [x, y, reach] = [one.x_px * scale, one.y_px * scale, one.radius_px * scale];
+  pen.strokeStyle = teamShade(team);
+  pen.lineWidth = 2;
+  pen.setLineDash(one.id === null ? [4, 3] : []);
   pen.beginPath();
-  for (const line of lines) line.forEach(([x, y], index) => (index ? pen.lineTo(x * scale, y * scale) : pen.moveTo(x * scale, y * scale)));
+  pen.arc(x, y, reach, 0, 2 * Math.PI);
   pen.stroke();
+  pen.setLineDash([]);
+  return { text: `${robotLabel(field, team, one.id)} ${percent}`, x, y, reach, fill: teamShade(team), rank: one.id === null ? 3 : 2 };
+}
+
+function obstacleLabels(pen: CanvasRenderingContext2D, scale: number, { seen, show }: Shown): Label[] {
+  if (!show.obstacles || !seen?.obstacles?.valid) return [];
+  return seen.obstacles.value.obstacles.map((thing, index) => {
+    const outline = seen.obstacle_outlines_px[index] ?? [];
+    trace(pen, outline, scale, OBSTACLE_COLOR);
+    pen.stroke();
+    return { text: "?", ...place(thing, outline, scale), fill: OBSTACLE_COLOR, rank: 3 };
+  });
+}
+
+function teamShade(team: Color): string {
+  return team === "blue" ? "#6cacff" : color("yellow-body");
 }
 
 function trace(pen: CanvasRenderingContext2D, outline: Points, scale: number, shade: string): void {

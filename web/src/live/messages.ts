@@ -98,6 +98,38 @@ export interface LogMessage extends Log {
   now_s: number;
 }
 
+interface OverlayMessage<T> {
+  topic: string;
+  now_s: number;
+  grabbed_s: number;
+  frame: number;
+  content: T;
+}
+
+type BoxPx = [left: number, top: number, right: number, bottom: number];
+
+export type ClassesMessage = OverlayMessage<{ step_px: number; png: string; colors: { name: string; bgr: [number, number, number] }[] }>;
+export type BlobsMessage = OverlayMessage<{
+  shown: { color: string; x_px: number; y_px: number; area_px: number; box_px: BoxPx }[];
+  count: number;
+}>;
+export interface Hypothesis {
+  what: string;
+  id: number | null;
+  is_accepted: boolean;
+  x_px: number;
+  y_px: number;
+  radius_px: number;
+  box_px: BoxPx;
+  confidence: number | null;
+  gate: string;
+  found: string;
+  accepted: string;
+}
+export type HypothesesMessage = OverlayMessage<{ shown: Hypothesis[]; count: number }>;
+export type LinesMessage = OverlayMessage<{ points_px: [number, number][]; is_found: boolean; offset_px: number | null; found: string; accepted: string }[]>;
+export type BoundaryMessage = OverlayMessage<{ points_px: [number | null, number | null][]; confidences: number[]; found: number; error_px: number | null; off_px: number | null }>;
+
 const PICTURE = 1;
 const VIEWS = 3;
 const DIRECTIONS = 360;

@@ -1,6 +1,6 @@
 // The one live connection of the page, and what the whole page knows of the service: link, status, field, clock.
 
-import { computed, onScopeDispose, ref, shallowRef, type ShallowRef } from "vue";
+import { computed, onScopeDispose, ref, shallowRef, watch, type ShallowRef } from "vue";
 
 import { api } from "../api/client";
 import type { Field, Match, Status } from "../api/types";
@@ -58,6 +58,19 @@ export function startLive(): void {
 export function useTopic<T extends Received>(topic: string): ShallowRef<T | null> {
   const newest = shallowRef(null) as ShallowRef<T | null>;
   onScopeDispose(connection.subscribe<T>(topic, (message) => (newest.value = message)));
+  return newest;
+}
+
+/** The newest message of a topic while it is wanted and a component is there; null otherwise. */
+export function useTopicWhile<T extends Received>(topic: string, wanted: () => boolean): ShallowRef<T | null> {
+  const newest = shallowRef(null) as ShallowRef<T | null>;
+  let end: (() => void) | null = null;
+  watch(wanted, (isWanted) => {
+    end?.();
+    newest.value = null;
+    end = isWanted ? connection.subscribe<T>(topic, (message) => (newest.value = message)) : null;
+  }, { immediate: true });
+  onScopeDispose(() => end?.());
   return newest;
 }
 

@@ -117,6 +117,40 @@ def test_one_robots_view_comes_with_its_message(server: PageServer) -> None:
     assert len(see.edges) == 3 * 360
 
 
+def test_an_overlay_is_drawn_while_somebody_looks_and_no_longer(server: PageServer, service: FakeService) -> None:
+    overlays = service.store.reader("overlay/main")
+    drawn = overlays.sequence
+    with page(server, "status,overlay/hypotheses,overlay/blobs") as connection:
+        wait_for(lambda: "overlay/hypotheses" in update(connection))
+        found: dict[str, Any] = {}
+        while not found.keys() >= {"overlay/hypotheses", "overlay/blobs"}:
+            found |= update(connection)
+    assert overlays.sequence > drawn
+    hypotheses = found["overlay/hypotheses"]
+    assert 0.0 < hypotheses["grabbed_s"] <= hypotheses["now_s"]
+    assert hypotheses["frame"] > 0
+    (rejected,) = [shown for shown in hypotheses["content"]["shown"] if not shown["is_accepted"]]
+    assert (rejected["found"], rejected["accepted"]) == ("circle 24 px across", "9 to 18 px")
+    assert found["overlay/blobs"]["content"]["count"] == 340
+    looking = records.LOOKING.reader(service.store).value(service.clock.now())
+    assert looking.layers == ("blobs", "hypotheses")
+    wait_for(lambda: looking.until < service.clock.now())
+    over = overlays.sequence
+    with page(server, "status,world") as connection:
+        wait_for(lambda: "world" in update(connection))
+    assert overlays.sequence == over
+
+
+def test_classes_come_as_a_png(server: PageServer) -> None:
+    with page(server, "status,overlay/classes") as connection:
+        found: dict[str, Any] = {}
+        while "overlay/classes" not in found:
+            found |= update(connection)
+    content = found["overlay/classes"]["content"]
+    assert base64.b64decode(content["png"]).startswith(b"\x89PNG")
+    assert "orange" in [color["name"] for color in content["colors"]]
+
+
 def test_the_same_is_not_sent_twice(server: PageServer) -> None:
     with page(server, "world,timing") as connection:
         grabbed = [update(connection)["world"]["grabbed_s"] for _ in range(5)]
@@ -272,7 +306,7 @@ def test_in_a_match_viewers_see_late_operators_at_once_and_teams_their_own_robot
     login = httpx.post(f"http://{server.address}/api/v1/login", json={"secret": key})
     team = {"cookie": login.headers["set-cookie"].partition(";")[0]}
     try:
-        with page(server, "world,picture") as viewer, page(server, "world", service.operator) as operator:
+        with page(server, "world,picture,overlay/blobs") as viewer, page(server, "world", service.operator) as operator:
             for _ in range(5):
                 at_once = update(operator)["world"]
                 assert at_once["now_s"] - at_once["grabbed_s"] < 0.5
@@ -282,10 +316,13 @@ def test_in_a_match_viewers_see_late_operators_at_once_and_teams_their_own_robot
             assert 0.9 < end_s - world["grabbed_s"] < 2.5
             if "picture" in late:
                 assert end_s - HEADER.unpack_from(late["picture"])[2] > 0.9
+            while "overlay/blobs" not in late:
+                late |= update(viewer)
+            assert update(operator)["world"]["now_s"] - late["overlay/blobs"]["grabbed_s"] > 0.9
         with page(server, "status,view/blue/2", team) as own:
             view = update(own).get("view/blue/2") or update(own)["view/blue/2"]
             assert view["now_s"] - view["grabbed_s"] < 0.5
-        for foreign in ("view/yellow/2", "world", "picture"):
+        for foreign in ("view/yellow/2", "world", "picture", "overlay/blobs"):
             with page(server, foreign, team) as other:
                 assert "is not for your team" in refused(other)
         with page(server, "view/blue/2", team) as own:

@@ -14,7 +14,16 @@ from tests.app.fake_service import FakeService, Scene, running_service, served_p
 from vision_core.venues.loader import load_settings
 
 NEEDED_TO_LOG_IN = ("/", "/healthz", "/readyz", "/web/")
-DATA = ("/api/v1/status", "/api/v1/field", "/api/v1/snapshot.jpg", "/api/v1/me", "/metrics", "/openapi.json", "/docs")
+DATA = (
+    "/api/v1/status",
+    "/api/v1/field",
+    "/api/v1/snapshot.jpg",
+    "/api/v1/snapshot.png",
+    "/api/v1/me",
+    "/metrics",
+    "/openapi.json",
+    "/docs",
+)
 PASSWORD = "a long password"
 
 

@@ -147,7 +147,8 @@ def test_in_a_match_the_newest_picture_is_the_operators(address: str, service: F
         with httpx.Client() as team:
             key = people.team_keys.renew("cgn")
             assert team.post(f"http://{address}/api/v1/login", json={"secret": key}).status_code == 200
-            for refused in (httpx.get(snapshot), httpx.head(snapshot), team.get(snapshot)):
+            png = snapshot.replace("jpg", "png")
+            for refused in (httpx.get(snapshot), httpx.head(snapshot), team.get(snapshot), httpx.get(png)):
                 assert refused.status_code == 403
         assert httpx.get(snapshot, headers=service.operator).status_code == 200
     finally:
