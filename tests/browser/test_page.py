@@ -281,6 +281,7 @@ def test_the_strip_stays_in_place_while_its_numbers_change(
     service.scene.clients = 3
     expect(page.locator(".figure.camera")).to_contain_text("8.3 Hz")
     expect(page.locator(".figure.clients")).to_contain_text("3 / 0")
+    expect(page.locator(".figure.camera")).to_contain_text("check", timeout=15_000)
     assert page.evaluate(boxes) == before
     context.close()
 

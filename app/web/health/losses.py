@@ -14,6 +14,8 @@ EVERY_S = 1.0
 """Counts are kept once in this time."""
 MAX_LOST = 0.01
 """Share of a minute's images or datagrams that may be lost: now and then one is, on every machine."""
+HOLD_S = 1.0
+"""A count that crosses the limit again and again gives one steady message: see ``hysteresis``."""
 MISSED, OVERRUNS, DROPPED = "missed", "overruns", "dropped"
 
 _Key = tuple[str, str, int]
@@ -62,11 +64,11 @@ def loss_causes(snapshot: ServiceSnapshot, losses: Losses) -> Iterator[Cause]:
     if late and max(late.values()) > MAX_LOST * images:
         text = f"{late.total()} times in the last minute a task was late or skipped an image"
         advice = "Close other programs on this computer, or let the watchers run less often on the timing page."
-        yield Cause("misses", Subject.MISSES, text, advice, _listed(late))
+        yield Cause("misses", Subject.MISSES, text, advice, _listed(late), HOLD_S)
     if losses.dropped and max(losses.dropped.values()) > MAX_LOST * images:
         text = f"{losses.dropped.total()} datagrams were dropped in the last minute"
         advice = "Check the network cable and switch, and use cable instead of wireless."
-        yield Cause("drops", Subject.DROPS, text, advice, _listed(losses.dropped))
+        yield Cause("drops", Subject.DROPS, text, advice, _listed(losses.dropped), HOLD_S)
 
 
 def _counts(snapshot: ServiceSnapshot) -> Iterator[tuple[_Key, int]]:

@@ -69,7 +69,7 @@ interface Axes {
   highest: number;
 }
 
-function drawAxes(pen: CanvasRenderingContext2D, { x, y, top, high, highest, height }: Axes): void {
+function drawAxes(pen: CanvasRenderingContext2D, { x, y, width, top, high, highest, height }: Axes): void {
   pen.strokeStyle = color("line");
   pen.fillStyle = color("dim");
   pen.lineWidth = 1;
@@ -79,7 +79,7 @@ function drawAxes(pen: CanvasRenderingContext2D, { x, y, top, high, highest, hei
   for (let direction = 0; direction <= 360; direction += 45) {
     pen.moveTo(x(direction), top);
     pen.lineTo(x(direction), top + high);
-    pen.fillText(`${direction}°`, Math.min(x(direction), x(355)), height - 7);
+    pen.fillText(`${direction}°`, Math.min(x(direction), width - 14), height - 7);
   }
   pen.textAlign = "right";
   for (let px = 0; px <= highest; px += highest > 100 ? 50 : 25) {

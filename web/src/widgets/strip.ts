@@ -21,7 +21,7 @@ type About = Alarm["about"];
 const WORDS: Readonly<Record<About, Record<Level, string>>> = {
   service: { ok: "ok", warning: "check", error: "down" },
   camera: { ok: "ok", warning: "check", error: "no image" },
-  lag: { ok: "ok", warning: "late", error: "not served" },
+  lag: { ok: "ok", warning: "late", error: "none" },
   misses: { ok: "ok", warning: "many", error: "many" },
   drops: { ok: "ok", warning: "many", error: "many" },
   machine: { ok: "ok", warning: "weak", error: "weak" },
@@ -64,8 +64,8 @@ export function figuresOf(status: Status): Figure[] {
   return [
     judged("camera", "camera", `${fixed(camera?.measured_rate_hz, 1)} Hz · ${age(camera?.age_s)}`),
     judged("lag", "lag A·B·C ms", `${ms(lags.server)} · ${ms(lags.network)} · ${ms(lags.client)}`),
-    judged("misses", "misses/min", String(total(missed)), where(missed)),
-    judged("drops", "drops/min", String(total(losses.dropped)), where(losses.dropped)),
+    judged("misses", "misses", String(total(missed)), where(missed)),
+    judged("drops", "drops", String(total(losses.dropped)), where(losses.dropped)),
     {
       key: "clients",
       name: "clients",
