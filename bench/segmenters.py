@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from vision_core.blobs.bits import Bits
 from vision_core.blobs.row_scan import Boxes, segment_buffers, segment_picture
 from vision_core.blobs.run_lengths import run_buffers, segment_runs
 from vision_core.geometry import Bytes
@@ -18,10 +19,10 @@ class ReferenceSegmenter:
     Threads must not share a segmenter: each call writes into the same buffers.
     """
 
-    def __init__(self, width_px: int, height_px: int, settings: BlobSettings) -> None:
+    def __init__(self, width_px: int, height_px: int, settings: BlobSettings, masked: Bits | None = None) -> None:
         self._shape = (height_px, width_px, 3)
         self._min_area_px = settings.min_area_px
-        self._buffers = run_buffers(settings)
+        self._buffers = run_buffers(settings, masked)
         self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
         """Filled by ``segment``, in scan order."""
 
@@ -40,9 +41,11 @@ class RowScanSegmenter:
     Threads must not share a segmenter. The first rows of ``blobs`` are the result of the last call of ``segment``.
     """
 
-    def __init__(self, width_px: int, height_px: int, settings: BlobSettings, min_height_px: int) -> None:
+    def __init__(
+        self, width_px: int, height_px: int, settings: BlobSettings, min_height_px: int, masked: Bits | None = None
+    ) -> None:
         self._shape = (height_px, width_px, 3)
-        self._buffers = segment_buffers(width_px, height_px, settings, min_height_px)
+        self._buffers = segment_buffers(width_px, height_px, settings, min_height_px, masked)
         self.blobs: Table = np.zeros(settings.max_blobs, dtype=BLOB)
         self._no_windows = np.zeros((0, 4), dtype=np.int32)
 

@@ -200,12 +200,14 @@ def test_rendered_frames() -> None:
     prefilter = prefilter_from(table)
     source = open_source(chosen, CameraSetup.from_settings(chosen), MonotonicClock(), paced=False)
     pixels = np.empty((chosen.camera.height_px, chosen.camera.width_px, 3), dtype=np.uint8)
+    compiled = len(segment_picture.signatures)  # type: ignore[attr-defined]
     for _ in range(3):
         source.grab(pixels)
         for apart in (1, 3, 4, 7):
             assert_same(pixels, table, prefilter, apart, chosen.blobs)
     source.close()
-    assert len(segment_picture.signatures) == 1  # type: ignore[attr-defined]
+    versions = len(segment_picture.signatures)  # type: ignore[attr-defined]
+    assert versions <= compiled + 1  # the masked one is there where this process has run its test
 
 
 @pytest.mark.slow

@@ -2,11 +2,14 @@
 
 import re
 from collections.abc import Iterator
+from typing import Any
 
+import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.app.fake_service import FakeService, Scene, running_service, served_page
+from tests.browser.test_page import link
 from tests.conftest import ROOT
 from vision_core.rtdb import records
 
@@ -106,6 +109,43 @@ def test_keys_wheel_and_buttons_zoom(context: BrowserContext, address: str) -> N
     stage.focus()
     page.keyboard.press("0")
     expect(fit).to_have_text("100 %")
+
+
+def test_a_mask_is_drawn_saved_and_undone(context: BrowserContext, address: str, service: FakeService) -> None:
+    page = context.new_page()
+    page.goto(f"http://{address}{link(service)}")
+    page.get_by_role("link", name="Camera").click()
+    page.get_by_role("button", name="Draw a mask").click()
+    canvas = page.locator(".camera-stage canvas")
+    box = canvas.bounding_box()
+    assert box is not None
+    for x, y in ((100, 100), (200, 100), (200, 160), (300, 300)):
+        canvas.click(position={"x": box["width"] * x / 640, "y": box["height"] * y / 480})
+    expect(page.get_by_text("4 points. Click on the picture")).to_be_visible()
+    page.keyboard.press("Delete")
+    page.keyboard.press("Enter")
+    expect(page.get_by_label("Name")).to_have_value("mask 1")
+    page.get_by_label("Name").fill("scoreboard")
+    points = page.get_by_label("Points of scoreboard, x and y, one per line")
+    points.fill("100, 100\n200, 100\nhere")
+    points.blur()
+    expect(page.get_by_text("line 3: here; accepted: two numbers, as 120, 45")).to_be_visible()
+    points.fill("100, 100\n200, 100\n200, 160\n100, 170")
+    points.blur()
+    assert faults(page) == []
+    page.get_by_role("button", name="Save masks").click()
+    expect(page.get_by_text("takes effect after a restart of the service").first).to_be_visible()
+    assert kept_masks(address, service) == [
+        {"name": "scoreboard", "points_px": [[100.0, 100.0], [200.0, 100.0], [200.0, 160.0], [100.0, 170.0]]}
+    ]
+    page.get_by_role("button", name="Undo").last.click()
+    expect(page.get_by_label("Name")).to_have_count(0)
+    assert kept_masks(address, service) == []
+
+
+def kept_masks(address: str, service: FakeService) -> Any:
+    found = httpx.get(f"http://{address}/api/v1/settings", headers=service.operator).json()["settings"]
+    return next(setting["value"] for setting in found if setting["key"] == "camera.masks")
 
 
 def test_a_frozen_picture_stays(context: BrowserContext, address: str) -> None:

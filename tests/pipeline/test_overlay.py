@@ -124,3 +124,30 @@ def test_noise_fits_into_the_record(maker: OverlayMaker) -> None:
     assert overlay.hypotheses is not None
     assert overlay.hypotheses.count > len(overlay.hypotheses.shown) == MAX_HYPOTHESES
     assert len(records.overlay("main").encode(overlay)) <= records.MAX_OVERLAY
+
+
+def test_a_masked_robot_is_not_seen_and_has_no_colors(maker: OverlayMaker, image: Bytes) -> None:
+    found = made(maker, image, Layer.HYPOTHESES).hypotheses
+    assert found is not None
+    robot = next(shown for shown in found.shown if shown.is_accepted and shown.what != "ball")
+    reach = robot.radius_px + 4.0
+    sides = robot.x_px - reach, robot.y_px - reach, robot.x_px + reach, robot.y_px + reach
+    left, top, right, bottom = sides
+    corners = [[left, top], [right, top], [right, bottom], [left, bottom]]
+    settings = load_settings(options={"camera.masks": [{"name": "scoreboard", "points_px": corners}]})
+    camera = CameraSetup.from_settings(settings)
+    perception = Perception(settings, camera)
+    before = Perception(SETTINGS, CAMERA).perceive(ImageFrame("main", 1, Instant(0), image), ManualClock()).record()
+    for number in range(1, 4):
+        frame = ImageFrame("main", number, Instant(number), image)
+        seen = perception.perceive(frame, ManualClock()).record()
+        assert len(seen.robots) == len(before.robots) - 1
+        assert all(np.hypot(one.x_px - robot.x_px, one.y_px - robot.y_px) > 5.0 for one in seen.robots)
+    overlay = OverlayMaker(perception).make(frame, (Layer.CLASSES, Layer.HYPOTHESES), ManualClock())
+    assert overlay.hypotheses is not None
+    assert not [one for one in overlay.hypotheses.shown if left < one.x_px < right and top < one.y_px < bottom]
+    assert overlay.classes is not None
+    numbers = cv2.imdecode(np.frombuffer(overlay.classes.png, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
+    assert numbers is not None
+    x, y = round(robot.x_px / overlay.classes.step_px), round(robot.y_px / overlay.classes.step_px)
+    assert not numbers[y - 3 : y + 4, x - 3 : x + 4].any()

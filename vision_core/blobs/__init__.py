@@ -21,8 +21,12 @@ picture from frame to frame, so that anything new is found within one round of i
 ``max_flood_fraction`` allows (the table has the colors of the floor), the reference takes over for that picture: the
 same blobs in class, area, center and box, but in scan order and with all low ones among them.
 
+Masked pixels, in which nothing is looked for, are background to both: the row scan takes them for visited. Without
+masks the kernels are compiled without a test for them.
+
 Memory is allocated once. When a picture has more runs or blobs than there is room for, the rest is left out and the
 result says so: a lamp that floods the picture must not delay the next frame.
 
-Files: ``row_scan`` over ``flood`` and ``simd`` (instructions on 64 pixels at once); ``run_lengths``.
+Files: ``row_scan`` over ``flood`` and ``simd`` (instructions on 64 pixels at once); ``run_lengths``; ``bits``
+(a bit per pixel).
 """

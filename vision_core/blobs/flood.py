@@ -3,8 +3,8 @@
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vision_core.blobs.bits import Bits, is_masked, is_set
 from vision_core.blobs.simd import class_at
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel
@@ -12,7 +12,6 @@ from vision_core.types.tables import Table
 
 Row: TypeAlias = Any
 """One row of a table."""
-Bits: TypeAlias = NDArray[np.uint64]
 
 FLOODED_RUN = np.dtype(
     [
@@ -25,12 +24,6 @@ exclusive."""
 
 OVER_LIMIT = -1
 """The flood was larger than allowed, or there was no memory for it."""
-
-
-@kernel
-def is_visited(visited: Bits, y: int, x: int) -> bool:
-    """Whether a pixel was flooded. visited: a bit per pixel, shape (height, width / 64 rounded up)."""
-    return bool((visited[y, x >> 6] >> np.uint64(x & 63)) & np.uint64(1))
 
 
 @kernel
@@ -50,15 +43,16 @@ def _visit(visited: Bits, y: int, start: int, end: int) -> None:
 @kernel
 def flood(
     flat: Bytes, width: int, height: int, classes: Bytes, x: int, y: int,
-    visited: Bits, stack: Table, budget: int, blob: Row,
+    visited: Bits, masked: Bits | None, stack: Table, budget: int, blob: Row,
 ) -> int:  # fmt: skip
     """Fill in the blob of a pixel that has a class; its area, or OVER_LIMIT beyond the budget or the stack.
 
-    flat: pixels, shape (height * width * 3,); stack: FLOODED_RUN table; budget [px]; blob: a row of a BLOB table.
+    flat: pixels, shape (height * width * 3,); visited: a bit per pixel, which masked pixels have from the beginning;
+    masked: their bits, or None; stack: FLOODED_RUN table; budget [px]; blob: a row of a BLOB table.
     """
     # the run of the given pixel is the first on the stack
     color = class_at(flat, y * width + x, classes)
-    start, end = _whole_run(flat, y * width, width, classes, color, x)
+    start, end = _whole_run(flat, y * width, width, classes, color, x, masked, y)
     _visit(visited, y, start, end)
     _push(stack, 0, y, start, end, y, 0, 0)
     top = 1
@@ -88,11 +82,11 @@ def flood(
                 if beside == known_row and known_start - 1 <= here <= known_end:
                     here = known_end + 1
                     continue
-                if class_at(flat, beside * width + here, classes) != color or is_visited(visited, beside, here):
+                if class_at(flat, beside * width + here, classes) != color or is_set(visited, beside, here):
                     here += 1
                     continue
                 # a new run: mark it now, search its neighbors later
-                first, after = _whole_run(flat, beside * width, width, classes, color, here)
+                first, after = _whole_run(flat, beside * width, width, classes, color, here, masked, beside)
                 _visit(visited, beside, first, after)
                 _push(stack, top, beside, first, after, row, start, end)
                 top += 1
@@ -104,12 +98,21 @@ def flood(
 
 
 @kernel
-def _whole_run(flat: Bytes, base: int, width: int, classes: Bytes, color: int, x: int) -> tuple[int, int]:
-    """Start and end, exclusive, of the run of one class round pixel x of a row that starts at pixel ``base``."""
+def _whole_run(
+    flat: Bytes, base: int, width: int, classes: Bytes, color: int, x: int, masked: Bits | None, y: int
+) -> tuple[int, int]:  # fmt: skip
+    """Start and end, exclusive, of the run of one class round pixel x of row y, which starts at pixel ``base``.
+
+    Masked pixels end it.
+    """
     start, end = x, x + 1
     while start > 0 and class_at(flat, base + start - 1, classes) == color:
+        if is_masked(masked, y, start - 1):
+            break
         start -= 1
     while end < width and class_at(flat, base + end, classes) == color:
+        if is_masked(masked, y, end):
+            break
         end += 1
     return start, end
 

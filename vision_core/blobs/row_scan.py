@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.blobs.flood import FLOODED_RUN, OVER_LIMIT, Bits, flood, is_visited
+from vision_core.blobs.bits import Bits, is_masked, is_set, masked_word
+from vision_core.blobs.flood import FLOODED_RUN, OVER_LIMIT, flood
 from vision_core.blobs.run_lengths import RunBuffers, run_buffers, segment_runs
 from vision_core.blobs.simd import LANES, any_class, prefetch, prefilter_mask, write_cells
 from vision_core.geometry import Bytes
@@ -37,7 +38,7 @@ class SegmentBuffers(NamedTuple):
     """What segmentation needs for pictures of one size, allocated once. Kernels take it as one argument."""
 
     visited: Bits
-    """A bit per pixel: flooded in this picture; none between pictures. Shape (height, width / 64 rounded up)."""
+    """Flooded in this picture, or masked; between pictures those that are masked. Shape as of ``masked``."""
     boxes: Boxes
     """Of all that was flooded in a picture, however small; columns as of windows. Shape (seeds, 4)."""
     seeds: Seeds
@@ -70,18 +71,20 @@ def min_height_px(smallest_px: float, row_step: float) -> int:
     return max(1, int(row_step * smallest_px))
 
 
-def segment_buffers(width_px: int, height_px: int, settings: BlobSettings, rows_apart: int) -> SegmentBuffers:
-    """Buffers for pictures of one size. rows_apart: see ``min_height_px``."""
+def segment_buffers(
+    width_px: int, height_px: int, settings: BlobSettings, rows_apart: int, masked: Bits | None = None
+) -> SegmentBuffers:  # fmt: skip
+    """Buffers for pictures of one size. rows_apart: see ``min_height_px``; masked: what is background, or None."""
     rows = height_px // rows_apart
     return SegmentBuffers(
-        visited=np.zeros((height_px, -(-width_px // LANES)), dtype=np.uint64),
+        visited=np.zeros((height_px, -(-width_px // LANES)), dtype=np.uint64) if masked is None else masked.copy(),
         boxes=np.zeros((settings.max_runs, 4), dtype=np.int32),
         seeds=np.zeros((settings.max_runs, 2), dtype=np.int32),
         stack=np.zeros(STACK_ROWS * width_px, dtype=FLOODED_RUN),
         cells=np.zeros((width_px // LANES + 1) * LANES, dtype=np.uint16),
         starts=np.zeros(width_px // LANES + 1, dtype=np.int64),
         cursor=np.zeros(1, dtype=np.int64),
-        runs=run_buffers(settings),
+        runs=run_buffers(settings, masked),
         rows_apart=rows_apart,
         scan_band_rows=max(1, math.ceil(rows * settings.scan_band)),
         flood_px=int(settings.max_flood_fraction * width_px * height_px),
@@ -140,6 +143,7 @@ def find_seeds(
     )  # fmt: skip
     # taken out of the tuple once: in the loop every access to an array of it may count references
     apart, cells, starts, table = buffers.rows_apart, buffers.cells, buffers.starts, buffers.seeds
+    masked = buffers.runs.masked
     for number in range(first, after):
         y = (number + 1) * apart - 1
         chunks = 0
@@ -163,14 +167,15 @@ def find_seeds(
         # pass 2: the color table decides
         for chunk in range(chunks):
             if any_class(cells, chunk * LANES, classes) != 0:
-                count = _add_seeds(classes, cells, chunk * LANES, starts[chunk], y, left, right, table, count)
+                count = _add_seeds(classes, cells, chunk * LANES, starts[chunk], y, left, right, masked, table, count)
     return count
 
 
 @kernel
 def _add_seeds(
-    classes: Bytes, cells: Cells, place: int, start: int, y: int, left: int, right: int, seeds: Seeds, count: int
-) -> int:
+    classes: Bytes, cells: Cells, place: int, start: int, y: int, left: int, right: int, masked: Bits | None,
+    seeds: Seeds, count: int,
+) -> int:  # fmt: skip
     """Append the seeds of 64 pixels that lie in columns left..right, exclusive; the new count, or OVER_LIMIT.
 
     place: of their first cell; start: column of their first pixel.
@@ -178,6 +183,8 @@ def _add_seeds(
     before = 0
     for lane in range(max(left - start, 0), min(right - start, LANES)):
         color = classes[cells[place + lane]]
+        if color != 0 and is_masked(masked, y, start + lane):
+            color = np.uint8(0)
         if color not in (0, before):
             if count == OVER_LIMIT or count == len(seeds):
                 return OVER_LIMIT
@@ -203,21 +210,21 @@ def flood_seeds(
     found, flooded, all_blobs, budget = 0, 0, True, buffers.flood_px
     # taken out of the tuple once: in the loop every access to an array of it may count references
     visited, table, boxes, stack = buffers.visited, buffers.seeds, buffers.boxes, buffers.stack
-    apart, min_area = buffers.rows_apart, buffers.min_area_px
+    apart, min_area, masked = buffers.rows_apart, buffers.min_area_px, buffers.runs.masked
     for seed in range(seeds):
         if seed + PREFETCH_SEEDS < seeds:
             later_x, later_y = int(table[seed + PREFETCH_SEEDS, SEED_X]), int(table[seed + PREFETCH_SEEDS, SEED_Y])
             _prefetch_seed(flat, width, height, later_x, later_y, apart, visited)
         # several seeds lie in one blob: only the first one floods it
         x, y = int(table[seed, SEED_X]), int(table[seed, SEED_Y])
-        if is_visited(visited, y, x):
+        if is_set(visited, y, x):
             continue
         if found == len(blobs):
             all_blobs = False
             break
-        area = flood(flat, width, height, classes, x, y, visited, stack, budget, blobs[found])
+        area = flood(flat, width, height, classes, x, y, visited, masked, stack, budget, blobs[found])
         if area == OVER_LIMIT:
-            visited[:] = np.uint64(0)
+            clear_all(visited, masked)
             return OVER_LIMIT, False
         # note the box, to clear its bits afterwards; blobs that are too small are overwritten by the next
         box, blob = boxes[flooded], blobs[found]
@@ -226,23 +233,31 @@ def flood_seeds(
         budget -= area
         if area >= min_area:
             found += 1
-    clear_visited(visited, boxes, flooded)
+    clear_visited(visited, masked, boxes, flooded)
     return (found, all_blobs) if seeds != OVER_LIMIT else (OVER_LIMIT, False)
 
 
 @kernel
-def clear_visited(visited: Bits, boxes: Boxes, flooded: int) -> None:
+def clear_all(visited: Bits, masked: Bits | None) -> None:
+    """Clear all bits but those of masked pixels."""
+    visited[:] = np.uint64(0)
+    if masked is not None:
+        visited[:] = masked
+
+
+@kernel
+def clear_visited(visited: Bits, masked: Bits | None, boxes: Boxes, flooded: int) -> None:
     """Clear the bits of what was flooded: a few thousand bytes, where the picture has hundreds of thousands."""
     for box in boxes[:flooded]:
         for y in range(box[TOP], box[BOTTOM] + 1):
             for word in range(box[LEFT] >> 6, (box[RIGHT] >> 6) + 1):
-                visited[y, word] = np.uint64(0)
+                visited[y, word] = masked_word(masked, y, word)
 
 
 @kernel
 def _prefetch_seed(flat: Bytes, width: int, height: int, x: int, y: int, apart: int, visited: Bits) -> None:
     """Prefetch the pixels round a seed, which lie in rows that have not been read yet."""
-    if is_visited(visited, y, x):
+    if is_set(visited, y, x):
         return
     for row in range(max(y - apart, 0), min(y + 2 * apart, height)):
         prefetch(flat, row * width + x - apart)

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.blobs.bits import Bits, is_masked
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel
 from vision_core.settings.schema import BlobSettings
@@ -36,14 +37,17 @@ class RunBuffers(NamedTuple):
     """Shape (max_runs,)."""
     regions: Table
     """REGION, shape (max_runs,)."""
+    masked: Bits | None
+    """Pixels that are background, whatever their color; None: there are none."""
 
 
-def run_buffers(settings: BlobSettings) -> RunBuffers:
-    """Buffers for pictures of any size."""
+def run_buffers(settings: BlobSettings, masked: Bits | None = None) -> RunBuffers:
+    """Buffers for pictures of any size, or with masked pixels for those of theirs."""
     return RunBuffers(
         runs=np.zeros(settings.max_runs, dtype=RUN),
         region_of_run=np.zeros(settings.max_runs, dtype=np.int32),
         regions=np.zeros(settings.max_runs, dtype=REGION),
+        masked=masked,
     )
 
 
@@ -53,13 +57,13 @@ def segment_runs(pixels: Bytes, classes: Bytes, min_area: int, buffers: RunBuffe
 
     pixels: shape (height, width, 3), contiguous; classes: shape (65536,); min_area [px].
     """
-    count, all_runs = collect_runs(pixels, classes, buffers.runs)
+    count, all_runs = collect_runs(pixels, classes, buffers.masked, buffers.runs)
     found, all_blobs = collect_blobs(buffers.runs, count, min_area, buffers.region_of_run, buffers.regions, blobs)
     return found, all_runs and all_blobs
 
 
 @kernel
-def collect_runs(pixels: Bytes, classes: Bytes, runs: Table) -> tuple[int, bool]:
+def collect_runs(pixels: Bytes, classes: Bytes, masked: Bits | None, runs: Table) -> tuple[int, bool]:
     """Cut all rows into runs and join touching ones; how many there are, and whether there was room for all.
 
     pixels: shape (height, width, 3), contiguous; classes: shape (65536,); runs: RUN table, filled.
@@ -73,6 +77,8 @@ def collect_runs(pixels: Bytes, classes: Bytes, runs: Table) -> tuple[int, bool]
         start = 0
         for x in range(width):
             here = classes[color_cell(row[x, 0], row[x, 1], row[x, 2])]
+            if here != 0 and is_masked(masked, y, x):
+                here = np.uint8(0)
             # where the class changes a run ends
             if here != color:
                 if color != 0:

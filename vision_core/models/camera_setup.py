@@ -1,7 +1,7 @@
 """One camera of a venue: its name, picture and rate, and the geometry that follows from its settings.
 
 Everything that depends on a camera takes a ``CameraSetup`` that was built once per process and handed on. Only
-``venues.camera_rules``, which checks it, reads ``settings.camera`` as well. A second camera is then a second setup.
+the rules of ``venues``, which check it, read ``settings.camera`` as well. A second camera is then a second setup.
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, Mask
 from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
+from vision_core.models.masks import masked_pixels
 from vision_core.settings.schema import CameraSettings, Settings
 
 
@@ -65,6 +66,11 @@ class CameraSetup:
         pixels = np.array([point.pixel_px for point in camera.homography.points])
         places = np.array([point.field_m for point in camera.homography.points])
         return HomographyCamera(pixels, places, camera.homography.position_m)
+
+    @cached_property
+    def masked(self) -> Mask | None:
+        """The pixels in which nothing is looked for, shape (height, width); None where everything is."""
+        return masked_pixels(self.settings.masks, self.size_px)
 
     def seen_floor_m(self, steps: int) -> Floats:
         """Border of the part of the floor that the picture shows [m], shape (n, 2), n <= 4 * steps.

@@ -60,7 +60,9 @@ class ObstacleFinder:
         camera: CameraModel,
         size_px: tuple[int, int],
         settings: ObstacleSettings,
+        masked: Mask | None = None,
     ) -> None:
+        """size_px: width and height of the images; masked: pixels in which nothing is looked for, or None."""
         self._robots, self._ball_radius_m, self._camera, self._settings = robots, ball_radius_m, camera, settings
         self._cell_m = robots.radius_m / CELLS_PER_RADIUS
         half = np.array(accepted_half_extent(field))
@@ -78,6 +80,9 @@ class ObstacleFinder:
         self._visible: Mask = (
             (pixel > 1.0).all(axis=1) & (pixel < np.array(size_px) - 2.0).all(axis=1) & np.isfinite(pixel).all(axis=1)
         ).reshape(rows, columns)
+        if masked is not None:
+            column, row = np.where(self._visible.reshape(-1, 1), pixel, 0.0).round().astype(np.intp).T
+            self._visible &= ~masked[row, column].reshape(rows, columns)
         self._pixel = np.where(np.isfinite(pixel), pixel, 0.0).round().astype(np.intp)[self._visible.ravel()]
         self._painted = self._near(_paint(field), field.line_width_m / 2.0 + self._cell_m)
         self._carpet: Floats | None = None

@@ -10,7 +10,7 @@ import numpy as np
 
 from vision_core.clock import Clock
 from vision_core.errors import SettingsError
-from vision_core.geometry import Bytes
+from vision_core.geometry import Bytes, Mask
 from vision_core.native.opencv import encode_png
 from vision_core.objects.ball.verdicts import ball_verdicts
 from vision_core.objects.robots.scene import Scene
@@ -59,7 +59,9 @@ class OverlayMaker:
             camera=image.camera,
             frame_number=image.number,
             grabbed=image.grabbed,
-            classes=class_picture(perception.pixels, perception.table) if Layer.CLASSES in layers else None,
+            classes=class_picture(perception.pixels, perception.table, perception.camera.masked)
+            if Layer.CLASSES in layers
+            else None,
             blobs=_blobs(scene) if scene and Layer.BLOBS in layers else None,
             hypotheses=self._hypotheses(scene, seen) if scene and Layer.HYPOTHESES in layers else None,
             lines=self._lines(image.pixels) if Layer.LINES in layers else None,
@@ -88,11 +90,17 @@ class OverlayMaker:
             return ()
 
 
-def class_picture(pixels: Bytes, table: ColorTable) -> ClassPicture:
-    """The color classes of a picture, as fine as MAX_PNG_BYTES allows. pixels: shape (height, width, 3)."""
+def class_picture(pixels: Bytes, table: ColorTable, masked: Mask | None = None) -> ClassPicture:
+    """The color classes of a picture, as fine as MAX_PNG_BYTES allows; masked pixels have none.
+
+    pixels: shape (height, width, 3); masked: shape (height, width).
+    """
     step = -(-pixels.shape[1] // CLASSES_WIDTH_PX)
     while True:
-        png = encode_png(table.classes_of(pixels[::step, ::step]))
+        classes = table.classes_of(pixels[::step, ::step])
+        if masked is not None:
+            classes[masked[::step, ::step]] = 0
+        png = encode_png(classes)
         if len(png) <= MAX_PNG_BYTES or step >= min(pixels.shape[:2]):
             break
         step *= 2

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from vision_core.blobs.bits import bits_of
 from vision_core.blobs.row_scan import SegmentBuffers, min_height_px, segment_buffers, segment_picture
 from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock
 from vision_core.color.light import Lighting
@@ -190,7 +191,7 @@ class Perception:
             searched=searched.classes,
             prefilter=prefilter_from(searched),
             camera=camera_map_from(self.camera.model),
-            segment=segment_buffers(*self.camera.size_px, settings.blobs, rows_apart),
+            segment=segment_buffers(*self.camera.size_px, settings.blobs, rows_apart, bits_of(self.camera.masked)),
             robots=robots,
             balls=ball_finder(settings, self.table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),

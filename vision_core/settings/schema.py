@@ -78,6 +78,13 @@ class HomographySettings(Record, frozen=True):
     position_m: Annotated[Point3, Meta(description="optical center in the field, by tape measure")]
 
 
+class MaskSettings(Record, frozen=True):
+    """A polygon in the picture in which nothing is looked for: spectators, a scoreboard."""
+
+    name: Annotated[Name, Meta(min_length=1)]
+    points_px: Annotated[tuple[Point2, ...], Meta(min_length=3, max_length=32, description="its corners, x and y")]
+
+
 class CameraSettings(Record, frozen=True):
     """One ceiling camera."""
 
@@ -88,6 +95,7 @@ class CameraSettings(Record, frozen=True):
     shutter_delay_ms: Annotated[float, Meta(ge=0.0, le=1000.0)]
     model: Literal["pinhole", "homography"]
     pinhole: PinholeSettings
+    masks: Annotated[tuple[MaskSettings, ...], Meta(max_length=16)]
     homography: HomographySettings | None = None
 
 

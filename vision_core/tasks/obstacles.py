@@ -19,6 +19,7 @@ def finder_from(settings: Settings, camera: CameraSetup) -> ObstacleFinder:
         camera.model,
         camera.size_px,
         settings.obstacles,
+        camera.masked,
     )
 
 

@@ -10,6 +10,7 @@ from vision_core.models.mirror import Mirror, check_span
 from vision_core.settings.schema import ColorRange, Settings
 from vision_core.types.edges import letter_faults
 from vision_core.venues.camera_rules import camera_violations
+from vision_core.venues.mask_rules import mask_violations
 from vision_core.venues.violation import Violation
 
 SPACE_KEYS = {
@@ -30,7 +31,7 @@ def check_settings(settings: Settings, place_of: Callable[[str], str], *, comple
     place_of: names the file and line that set a key; complete_palette: the colors of the ball must have classes; False
     for commands that help to make a palette.
     """
-    rules = [_colors, _letters, _match, camera_violations, _mirror, _tasks, _admission]
+    rules = [_colors, _letters, _match, mask_violations, camera_violations, _mirror, _tasks, _admission]
     if complete_palette:
         rules.append(_ball_colors)
     for rule in rules:

@@ -74,6 +74,13 @@ class RobotBody(Report):
     """Radius of the circle, or half the side of the square [m]."""
 
 
+class MaskReport(Report):
+    """A polygon in the picture in which nothing is looked for."""
+
+    name: str
+    points_px: list[tuple[float, float]]
+
+
 class Field(Report):
     """The field's geometry, and who wears which marker.
 
@@ -101,6 +108,8 @@ class Field(Report):
     """By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon."""
     painted_px: list[list[tuple[float, float]]]
     """Painted lines and arcs, projected into the picture by the camera model [px]."""
+    masks: list[MaskReport]
+    """Where nothing is looked for, in the running service."""
     coverage_m: list[tuple[float, float]]
     """Border of the part of the floor that the camera sees [m]; empty where it sees no floor at all."""
 
@@ -132,6 +141,7 @@ def field_from(service: ServiceInfo) -> Field:
         edge_types={edge.kind.name.lower(): _edge_type(edge) for edge in EDGE_TYPES},
         mirror_m={team.value: _mirror_table(settings, team) for team in Team},
         painted_px=[_visible(_in_picture(camera, points)) for points in painted_points(field, STEPS + 1)],
+        masks=[MaskReport(name=mask.name, points_px=list(mask.points_px)) for mask in setup.settings.masks],
         coverage_m=[(x, y) for x, y in np.round(setup.seen_floor_m(STEPS), 3).tolist()],
     )
 

@@ -1351,6 +1351,11 @@ export interface components {
                 [key: string]: number[];
             };
             /**
+             * Masks
+             * @description Where nothing is looked for, in the running service.
+             */
+            masks: components["schemas"]["MaskReport"][];
+            /**
              * Mirror M
              * @description By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon.
              */
@@ -1704,6 +1709,19 @@ export interface components {
              * @description Wake-ups that were measured.
              */
             wakeups: number;
+        };
+        /**
+         * MaskReport
+         * @description A polygon in the picture in which nothing is looked for.
+         */
+        MaskReport: {
+            /** Name */
+            name: string;
+            /** Points Px */
+            points_px: [
+                number,
+                number
+            ][];
         };
         /**
          * MatchPatch

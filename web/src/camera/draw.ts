@@ -4,6 +4,7 @@ import type { Color, Field } from "../api/types";
 import { cleared, color, freeBox, outlinedText, robotLabel, type Box } from "../canvas/drawing";
 import type { Hypothesis, SightingsMessage } from "../live/messages";
 import { drawChosen, drawLayers, type Overlay } from "./drawLayers";
+import { drawMasks, type MaskLook } from "./drawMasks";
 import type { Item } from "./found";
 import type { Layers } from "./layers";
 import { scaleOf, type Size, type View } from "./view";
@@ -33,6 +34,7 @@ export interface Shown {
   show: Layers;
   /** What the pointer or the list is at. */
   chosen: (Item | null)[];
+  masks: MaskLook;
 }
 
 const LARGE_PIXELS = 4; // canvas pixels per picture pixel from which on pixels are shown as squares
@@ -51,6 +53,7 @@ export function drawPicture(canvas: HTMLCanvasElement, field: Field, size: Size,
   if (shown.isOverlayOld) pen.filter = "grayscale(1) opacity(0.55)";
   drawLayers(pen, scale, drawn, shown.overlay, shown.show.rejected);
   pen.filter = "none";
+  drawMasks(pen, scale, shown.masks);
   const labels = [...thingLabels(pen, scale, field, shown), ...obstacleLabels(pen, scale, shown)];
   writeLabels(pen, labels, ...drawn);
   for (const item of shown.chosen) if (item) drawChosen(pen, scale, item);

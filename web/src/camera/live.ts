@@ -16,7 +16,7 @@ export interface CameraLive {
   overlayOf: ComputedRef<{ frame: number; grabbed_s: number } | null>;
   isOverlayOld: ComputedRef<boolean>;
   isFrozen: Ref<boolean>;
-  shown: ComputedRef<Omit<Shown, "chosen"> | null>;
+  shown: ComputedRef<Omit<Shown, "chosen" | "masks"> | null>;
   items: ComputedRef<Item[]>;
   /** How many of a kind there are, shown or not. */
   counts: ComputedRef<Partial<Record<Kind, number>>>;
