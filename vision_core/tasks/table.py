@@ -92,7 +92,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield from watchers
     yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
     looks, overlay = records.LOOKING.name, records.overlay(camera).name
-    yield line("overlay", PERIOD, [frames, looks], [overlay], purpose="draws what is found, while somebody looks")
+    yield line("overlay", PERIOD, [frames, looks], [overlay], purpose="draws what is found while somebody looks")
     watched = [record for task in watchers for record in task.writes]
     shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay]
     shown += ["processes", "selftest", "log", "world", "views", "serving", "lags"]
