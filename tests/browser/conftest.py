@@ -2,9 +2,12 @@
 
 import shutil
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
+
+from app.web.auth.people import People
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [
@@ -27,3 +30,11 @@ def browser() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
         yield browser
         browser.close()
+
+
+def link_of(people: Path) -> str:
+    """The query of the link that a first start prints. people: the file of the service's people."""
+    opened = People(people)
+    token = opened.first_run_token()
+    opened.close()
+    return f"/?token={token}"

@@ -9,7 +9,8 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.app.fake_service import FakeService, Scene, running_service, served_page
-from tests.browser.test_page import link
+from tests.browser.conftest import link_of
+from tests.browser.test_page import 
 from tests.conftest import ROOT
 from vision_core.rtdb import records
 
@@ -113,7 +114,7 @@ def test_keys_wheel_and_buttons_zoom(context: BrowserContext, address: str) -> N
 
 def test_a_mask_is_drawn_saved_and_undone(context: BrowserContext, address: str, service: FakeService) -> None:
     page = context.new_page()
-    page.goto(f"http://{address}{link(service)}")
+    page.goto(f"http://{address}{link_of(service.people)}")
     page.get_by_role("link", name="Camera").click()
     page.get_by_role("button", name="Draw a mask").click()
     canvas = page.locator(".camera-stage canvas")

@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
-from app.web.auth.people import People
 from app.web.auth.people_file import NAME
 from bench.service import RunningService, running_service
-from tests.app.fake_service import wait_for
+from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from tests.browser.conftest import link_of
 from tests.faults.test_service import listener, time_of
 
 pytestmark = [
@@ -92,10 +92,7 @@ def server(folder: Path) -> Iterator[tuple[RunningService, str]]:
     """A service that nobody has used yet, and the path of the link that it prints."""
     folder.mkdir()
     with running_service(variables={"PSLV_DATABASE": str(folder)}) as service:
-        people = People(folder / NAME)
-        path = f"/?token={people.first_run_token()}"
-        people.close()
-        yield service, path
+        yield service, link_of(folder / NAME)
 
 
 @pytest.mark.parametrize("hands", [Mouse(), Keyboard()], ids=["mouse", "keyboard"])
@@ -118,12 +115,15 @@ def test_an_evening(browser: Browser, tmp_path: Path, hands: Hands) -> None:
         undo(page, hands)
         exported = export(page, hands, tmp_path)
         page.close()
-    with server(tmp_path / "other hall") as (service, path):
+    other = FakeService(Scene())
+    other.start()
+    with served_page(other) as address:
         page = browser.new_page()
-        page.goto(service.http + path)
+        page.goto(f"http://{address}{link_of(other.people)}")
         first_run(page, hands)
         import_(page, hands, exported)
         page.close()
+    other.stop()
 
 
 def visit(page: Page, hands: Hands, name: str) -> None:

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from app.web.auth.people import People
 from tests.app.fake_service import STATES, FakeService, PageServer, Scene, starting_lines, wait_for
+from tests.browser.conftest import link_of
 from tests.conftest import ROOT
 from vision_core.rtdb import records
 from vision_core.rtdb.log_record import LOG, ServiceLog
@@ -68,14 +68,6 @@ def server(service: FakeService) -> Iterator[PageServer]:
     server.stop()
 
 
-def link(service: FakeService) -> str:
-    """The query of the link that a first start prints."""
-    people = People(service.people)
-    token = people.first_run_token()
-    people.close()
-    return f"/?token={token}"
-
-
 def colors_of(page: Page, canvas: str) -> int:
     """How many colors a canvas shows."""
     return int(page.locator(canvas).first.evaluate(COLORS))
@@ -93,7 +85,7 @@ def test_every_page_in_every_size_is_whole_and_accessible(
     browser: Browser, service: FakeService, server: PageServer, theme: Any
 ) -> None:
     context = browser.new_context(color_scheme=theme)
-    watched = opened(context, server, link(service))
+    watched = opened(context, server, link_of(service.people))
     page = watched.page
     for path, title in PAGES.items():
         for width, height in SIZES:
@@ -128,7 +120,7 @@ def test_the_canvases_show_field_views_and_picture(browser: Browser, service: Fa
 
 def test_an_evening_of_a_referee(browser: Browser, service: FakeService, server: PageServer, tmp_path: Path) -> None:
     context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
-    watched = opened(context, server, link(service))
+    watched = opened(context, server, link_of(service.people))
     page = watched.page
     assert "token" not in page.url
     page.get_by_role("link", name="Set a password").click()
@@ -198,7 +190,7 @@ def test_an_evening_of_a_referee(browser: Browser, service: FakeService, server:
 
 def test_sides_are_swapped_by_keyboard_alone(browser: Browser, service: FakeService, server: PageServer) -> None:
     context = browser.new_context(viewport={"width": 1024, "height": 768})
-    page = opened(context, server, link(service)).page
+    page = opened(context, server, link_of(service.people)).page
     for _ in range(40):
         page.keyboard.press("Tab")
         if "Swap sides" in (page.evaluate("document.activeElement.textContent") or ""):
@@ -312,7 +304,7 @@ def test_a_technician_reads_the_log(browser: Browser, service: FakeService, serv
     context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True)
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     service.put(LOG, ServiceLog((), 0, 0))
-    watched = opened(context, server, link(service))
+    watched = opened(context, server, link_of(service.people))
     page = watched.page
     page.get_by_role("link", name="Logs").click()
     expect(page.get_by_text("No process has printed anything yet.")).to_be_visible()
@@ -366,7 +358,7 @@ def test_who_was_operator_until_his_session_ended_keeps_the_page(browser: Browse
     first = PageServer(service)
     first.start()
     context = browser.new_context()
-    page = opened(context, first, link(service)).page
+    page = opened(context, first, link_of(service.people)).page
     page.goto(f"http://{first.address}/logs")
     expect(page.locator(".log tbody tr")).to_have_count(6)
     context.clear_cookies()
