@@ -10,7 +10,6 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.app.fake_service import FakeService, Scene, running_service, served_page
 from tests.browser.conftest import link_of
-from tests.browser.test_page import 
 from tests.conftest import ROOT
 from vision_core.rtdb import records
 
