@@ -134,7 +134,7 @@ def test_a_mask_is_drawn_saved_and_undone(context: BrowserContext, address: str,
     points.blur()
     assert faults(page) == []
     page.get_by_role("button", name="Save masks").click()
-    expect(page.get_by_text("takes effect after a restart of the service").first).to_be_visible()
+    expect(page.get_by_role("button", name="Restart the service")).to_be_visible()
     assert kept_masks(address, service) == [
         {"name": "scoreboard", "points_px": [[100.0, 100.0], [200.0, 100.0], [200.0, 160.0], [100.0, 170.0]]}
     ]
