@@ -9,6 +9,7 @@ from rich.console import Console
 from app import __version__
 from app.commands import evaluate, patterns
 from app.commands.bench import bench
+from app.commands.calibrate import calibrate_app
 from app.commands.client import CONTEXT, client
 from app.commands.colors import colors_app
 from app.commands.compile import compile_command
@@ -27,6 +28,7 @@ app = typer.Typer(
     no_args_is_help=True, add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False
 )
 app.add_typer(config_app, name="config")
+app.add_typer(calibrate_app, name="calibrate")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
 for command in (serve, tasks, top, restart, passwd, token, selftest, detect, evaluate.evaluate, bench, support_bundle):

@@ -4,7 +4,7 @@ A benchmark is a module with ``run()`` that returns rows for the table (``runner
 baseline measured in the same run, their ratio, and the goal. Baselines in C are compiled where there is a compiler
 (``baselines``); without one their rows are left out.
 
-Accuracy of the pipeline against the ground truth of the simulated camera: ``accuracy``.
+Accuracy against the ground truth of the simulated camera: ``accuracy`` of the pipeline, ``calibration`` of the camera.
 
 Cost of the pipeline's stages: ``segmentation``, ``loop`` (all stages), ``views``, ``udp_send``, ``growing``.
 
@@ -13,7 +13,7 @@ Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA p
 
 The whole service: ``clients``, ``faults`` (with ``fault_targets`` and ``shutdown``).
 
-Shared parts: ``service`` starts the real service, ``pictures`` gives it a fast camera, ``load`` keeps all cores busy,
+Shared parts: ``calibration_views`` renders pictures of random cameras, ``service`` starts the real service, ``pictures`` gives it a fast camera, ``load`` keeps all cores busy,
 ``charts`` draws histograms. Helper processes run beside a measurement (``helpers``): ``receiver`` is all clients,
 ``pages`` all web pages, ``record_timestamps`` and ``freshness`` read the database, ``stall_detector`` shows when the
 machine stood still.

@@ -15,7 +15,7 @@ from typing import Any
 Row = dict[str, Any]
 
 BENCHMARKS = (
-    *("accuracy", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads", "scheduling"),
+    *("accuracy", "calibration", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads", "scheduling"),
     *("activation", "handover", "dashboards", "gc_pauses", "clients", "faults"),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""

@@ -10,6 +10,7 @@ Top to bottom; who stands lower imports nobody above (held by the contracts in p
     tasks/        table.py is read first, then one file per task
     pipeline/     several stages in one compiled call
     net/          the only server sockets
+    calibration/  a camera from the painted lines in pictures
     scheduling/   runs tasks at their periods and priorities, and measures them
     protocol/     datagram bytes, without sockets
     rtdb/         the real-time database in shared memory

@@ -248,3 +248,23 @@ def open_camera(device: str, width_px: int, height_px: int, rate_hz: float) -> V
     if int(capture.get(cv2.CAP_PROP_FOURCC)) == YUYV:
         capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)  # its buffer as it is: converted once, where it is to go
     return Video(capture)
+
+
+def distances_to(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Distance of every pixel to the nearest true one [px], same shape; large everywhere when none is true."""
+    return cast("NDArray[np.float32]", cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_3))
+
+
+def without_small_regions(mask: NDArray[np.bool_], least_px: int) -> NDArray[np.bool_]:
+    """A mask without those of its regions whose boxes are shorter than least_px along both sides."""
+    _, labels, boxes, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    is_large = np.maximum(boxes[:, cv2.CC_STAT_WIDTH], boxes[:, cv2.CC_STAT_HEIGHT]) >= least_px
+    is_large[0] = False
+    return cast("NDArray[np.bool_]", is_large[labels])
+
+
+def straight_segments(mask: NDArray[np.bool_], least_px: float, gap_px: float, votes: int) -> NDArray[np.float64]:
+    """Straight pieces of a mask by a probabilistic Hough transform: x1, y1, x2, y2 [px], shape (n, 4)."""
+    cv2.setRNGSeed(1)
+    found = cv2.HoughLinesP(mask.astype(np.uint8), 1.0, np.pi / 360.0, votes, None, least_px, gap_px)
+    return np.empty((0, 4)) if found is None else np.asarray(found, dtype=np.float64).reshape(-1, 4)

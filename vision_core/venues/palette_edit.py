@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from vision_core.errors import SettingsError
+from vision_core.venues.toml_edit import ANY_HEADER, assignment, replace_file
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 HEADER = re.compile(r"^\s*\[\s*colors\s*\.\s*samples\s*\]")
-ANY_HEADER = re.compile(r"^\s*\[")
 
 
 def sample_line(name: str, colors: Sequence[str]) -> str:
@@ -41,15 +41,7 @@ def save_samples(path: Path, text: str, samples: Mapping[str, Sequence[str]], na
             f"a table [colors.samples] with one class per line; write into it: {sample_line(name, samples[name])}"
         )
         raise SettingsError(f"--save to {path}", found="colors.samples in another form", accepted=accepted)
-    beside = path.with_name(f".{path.name}.new")
-    try:
-        beside.write_text(edited, encoding="utf-8")
-        beside.chmod(path.stat().st_mode)
-        beside.replace(path)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        found = error.strerror or str(error)
-        raise SettingsError(f"--save to {path}", found=found, accepted="a file that may be written") from None
+    replace_file(path, edited, f"--save to {path}")
 
 
 def _edited(text: str, samples: Mapping[str, Sequence[str]], name: str) -> str:
@@ -60,21 +52,5 @@ def _edited(text: str, samples: Mapping[str, Sequence[str]], name: str) -> str:
         return "\n".join([*lines, *gap, sample_table(samples), ""])
     start = headers[0] + 1
     end = next((number for number in range(start, len(lines)) if ANY_HEADER.match(lines[number])), len(lines))
-    first, last = _assignment(lines, start, end, name)
+    first, last = assignment(lines, start, end, name)
     return "\n".join([*lines[:first], sample_line(name, samples[name]), *lines[last:], ""])
-
-
-def _assignment(lines: list[str], start: int, end: int, name: str) -> tuple[int, int]:
-    """The lines [first, last) that set a key of a table; an empty range at the table's end when none does."""
-    table_end = start
-    for first in range(start, end):
-        for last in range(first + 1, end + 1):
-            try:
-                table = tomllib.loads("\n".join(lines[first:last]))
-            except tomllib.TOMLDecodeError:
-                continue  # a list that goes on in the next line
-            if name in table:
-                return first, last
-            table_end = last if table else table_end
-            break
-    return table_end, table_end

@@ -1,0 +1,114 @@
+"""Whole calibrations of rendered pictures: how wrong they are, what is refused, and what a caller can do meanwhile."""
+
+import numpy as np
+import pytest
+
+from bench.calibration_views import View, floor_error_m, view
+from vision_core.calibration.find import corners_m
+from vision_core.calibration.result import Calibration, Cancelled
+from vision_core.calibration.solve import calibrate
+from vision_core.calibration.start import start_from_lens, start_from_points
+from vision_core.geometry import Bytes
+from vision_core.venues.loader import load_settings
+
+pytestmark = pytest.mark.slow
+SEEDS = range(6)
+MAX_ERROR_M = 0.003
+
+
+@pytest.fixture(scope="module")
+def views() -> list[View]:
+    return [view(seed) for seed in SEEDS]
+
+
+def from_start(shown: View, *pictures: Bytes) -> Calibration:
+    size = shown.pixels.shape[1], shown.pixels.shape[0]
+    return calibrate(pictures or [shown.pixels], shown.settings.field, start_from_lens(shown.start, size))
+
+
+def test_from_a_camera_that_was_bumped(views: list[View]) -> None:
+    for shown in views:
+        result = from_start(shown)
+        assert result.accepted, result.reasons
+        assert floor_error_m(result.camera, shown.truth, shown.settings.field) < MAX_ERROR_M
+        assert result.rms_px < 0.5
+        assert result.coverage > 0.5
+
+
+def test_without_a_click(views: list[View]) -> None:
+    for shown in views:
+        result = calibrate([shown.pixels], shown.settings.field, None)
+        assert result.accepted, result.reasons
+        assert floor_error_m(result.camera, shown.truth, shown.settings.field) < MAX_ERROR_M
+        assert any("from both ends" in note for note in result.notes)
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_rotated_and_portrait_pictures(views: list[View], quarters: int) -> None:
+    shown = views[0]
+    result = calibrate([np.ascontiguousarray(np.rot90(shown.pixels, quarters))], shown.settings.field, None)
+    assert result.accepted, result.reasons
+    assert result.size_px == ((580, 780) if quarters % 2 else (780, 580))
+    assert result.camera.position_m[2] == pytest.approx(4.0, rel=0.3)
+
+
+def test_from_corners_that_were_dragged(views: list[View]) -> None:
+    shown = views[1]
+    corners = corners_m(shown.settings.field)
+    dragged = shown.truth.pixel_from_field(corners) + np.array([[9, -7], [-8, -8], [6, 9], [-9, 5]])
+    start = start_from_points(dragged, corners, (780, 580), height_m=float(shown.truth.position_m[2]))
+    result = calibrate([shown.pixels], shown.settings.field, start)
+    assert result.accepted, result.reasons
+    assert floor_error_m(result.camera, shown.truth, shown.settings.field) < MAX_ERROR_M
+    assert result.camera.position_m[2] == pytest.approx(shown.truth.position_m[2], rel=0.02)
+
+
+def test_several_pictures_count_together(views: list[View]) -> None:
+    shown = views[2]
+    one, two = from_start(shown), from_start(shown, shown.pixels, shown.pixels)
+    assert two.samples > 1.9 * one.samples
+    assert two.floor_error_m < one.floor_error_m
+
+
+def test_every_line_is_told(views: list[View]) -> None:
+    result = from_start(views[3])
+    assert len(result.lines) == 12
+    halfway = next(line for line in result.lines if line.name == "halfway line")
+    assert halfway.rms_px is not None
+    assert halfway.held_out_px is not None
+    assert halfway.held_out_px < 0.5
+    assert len(halfway.residuals) > 5
+
+
+def reasons(pixels: Bytes, preset: str = "ssl-2002") -> str:
+    field = load_settings(options={"field_preset": preset}).field
+    result = calibrate([pixels], field, None)
+    assert not result.accepted
+    return " ".join(map(str, result.reasons))
+
+
+def test_what_is_refused(views: list[View]) -> None:
+    pixels = views[0].pixels
+    assert "too dark" in reasons((pixels * 0.1).astype(np.uint8))
+    assert "overexposed" in reasons(np.full_like(pixels, 255))
+    assert "lines were found" in reasons(np.full_like(pixels, 90))
+    assert reasons(pixels, "vsss")
+    assert reasons(pixels, "ssl-division-b")
+
+
+def test_pictures_of_several_sizes_are_refused(views: list[View]) -> None:
+    result = from_start(views[0], views[0].pixels, views[0].pixels[:, :-20])
+    assert "several sizes" in str(result.reasons[0])
+
+
+def test_a_caller_sees_progress_and_may_cancel(views: list[View]) -> None:
+    shares = []
+
+    def watch(_what: str, share: float) -> None:
+        shares.append(share)
+        if share >= 0.5:
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        calibrate([views[0].pixels], views[0].settings.field, None, progress=watch)
+    assert shares == sorted(shares)

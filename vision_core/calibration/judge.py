@@ -1,0 +1,278 @@
+"""Judges a calibration: how sure it is, line by line, and why it is refused."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.calibration.lens import CENTER, FOCAL, HEIGHT, Lens
+from vision_core.calibration.painted import Painted, placed, sections_for
+from vision_core.calibration.result import Calibration, LineResult
+from vision_core.calibration.solver import Fit, Prior, Sights, fit
+from vision_core.geometry import Bytes, Floats
+from vision_core.settings.schema import FieldSettings
+from vision_core.types.colors import LUMA_BGR
+from vision_core.types.reasons import Reason
+
+DARK, BRIGHT = 40.0, 250.0
+"""A picture whose brightest hundredth is darker, or of which half is brighter, shows no lines [grey levels]."""
+MIN_SAMPLES, MIN_LINES = 40, 4
+MIN_COVERAGE = 0.5
+MIN_ACROSS = 0.1
+"""Least share of sections on lines along, and on lines across the field."""
+MIN_FOUND = 0.5
+"""Least share of the visible lines' length that shows paint."""
+LINE_FOUND = 0.5
+"""A line counts as found when so much of its visible part shows paint."""
+MAX_RMS_PX, MAX_RMS = 1.0, 0.0012
+"""Largest rms distance: in pixels, or as a share of the picture's longer side."""
+MAX_RISE_PX, MAX_RISE = 6.0, 0.008
+"""Longest edge from carpet to paint, likewise: longer ones are blurred."""
+MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR = 0.005, 0.004
+"""Largest floor error: in metres, or as a share of the field's length."""
+CENTER_SIGMAS = 4.0
+"""A principal point or focal length that is pulled farther from its prior than so many deviations is none."""
+MAX_HEIGHT_DEVIATION = 0.04
+"""Share of the height from which on a note says that it is not known."""
+MAX_ALIKE = 0.95
+"""Largest correlation between the distances of neighbouring sections."""
+GRID = 13
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is calibrated."""
+
+    field: FieldSettings
+    size_px: tuple[int, int]
+    prior: Prior
+    marker_height_m: float
+
+    @cached_property
+    def grid_m(self) -> Floats:
+        """Points all over the field, shape (GRID * GRID, 2)."""
+        x, y = (np.linspace(-0.5, 0.5, GRID) * side for side in (self.field.length_m, self.field.width_m))
+        return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+    def is_visible(self, pixels: Floats) -> NDArray[np.bool_]:
+        """Which pixels lie in the picture, shape (..., 2) -> (...)."""
+        with np.errstate(invalid="ignore"):
+            inside = (pixels >= 0.0) & (pixels <= np.array(self.size_px) - 1.0)
+        visible: NDArray[np.bool_] = np.asarray(inside.all(axis=-1))
+        return visible
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """The sections that count, and the lens that fits them."""
+
+    painted: Painted
+    sights: Sights
+    sections: NDArray[np.intp]
+    """Index of each sight's section in painted, shape (n,)."""
+    rise_px: float
+    pictures: int
+    fit: Fit
+
+    @property
+    def lens(self) -> Lens:
+        """The camera."""
+        return self.fit.lens
+
+    @property
+    def line(self) -> NDArray[np.intp]:
+        """Index of each sight's line, shape (n,)."""
+        return self.painted.line[self.sections]
+
+
+def picture_reasons(pictures: Sequence[Bytes], field: FieldSettings) -> tuple[Reason, ...]:
+    """Why pictures cannot serve at all; () when they can."""
+    if not field.line_width_m:
+        text = f"the field {field.name!r} has no painted lines (line_width_m is 0)"
+        return (Reason(text, "Set the width of its lines, or use named points."),)
+    sizes = {picture.shape[1::-1] for picture in pictures}
+    if len(sizes) > 1:
+        found = ", ".join(f"{width}x{height}" for width, height in sorted(sizes))
+        return (Reason(f"the pictures have several sizes: {found}", "Use pictures of one camera and size."),)
+    lumas = [picture[::4, ::4] @ LUMA_BGR for picture in pictures]
+    if (bright := max(float(np.percentile(luma, 99)) for luma in lumas)) < DARK:
+        return (Reason(f"the picture is too dark: 99 % of it is below level {bright:.0f}", "Turn on the lamps."),)
+    if (middle := min(float(np.median(luma)) for luma in lumas)) > BRIGHT:
+        return (Reason(f"the picture is overexposed: half of it is above level {middle:.0f}", "Expose it shorter."),)
+    return ()
+
+
+def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[Reason, ...]) -> Calibration:
+    """The verdict on a lens. measured: None when no line could be found."""
+    lines = _lines(scene, lens, measured)
+    covariance = np.diag(scene.prior.deviations**2)
+    if measured is not None:
+        covariance = measured.fit.covariance(scene.prior) * _inflation(measured)
+    floor, marker = (_place_error_m(scene, lens, covariance, height) for height in (0.0, scene.marker_height_m))
+    rms = float("nan") if measured is None else float(np.sqrt((measured.sights.distances(lens) ** 2).mean()))
+    coverage = 0.0 if measured is None else _hull_area(measured.sights.points_m) / _area(scene.field)
+    result = Calibration(
+        camera=lens.settings(),
+        size_px=scene.size_px,
+        reasons=reasons,
+        notes=(),
+        lines=lines,
+        samples=0 if measured is None else len(measured.sights),
+        rms_px=rms,
+        floor_error_m=floor,
+        height_deviation_m=float(np.sqrt(covariance[HEIGHT, HEIGHT])),
+        marker_error_m=marker,
+        condition=float("inf") if measured is None else measured.fit.condition,
+        coverage=coverage,
+    )
+    if reasons:
+        return result
+    found = tuple(_refusals(scene, result, measured, lens))
+    return replace(result, reasons=found, notes=tuple(_notes(result)))
+
+
+def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens: Lens) -> Iterator[Reason]:
+    """Everything that is wrong with a calibration, the most telling first."""
+    preset = f"Is {scene.field.name!r} the preset of this field? Drag the corners nearer to their places."
+    visible = [line for line in result.lines if line.visible > 0.2]
+    found = [line for line in visible if line.found >= LINE_FOUND]
+    if measured is None or result.samples < MIN_SAMPLES or len(found) < MIN_LINES:
+        text = f"only {len(found)} of {len(result.lines)} painted lines were found, {MIN_LINES} are needed"
+        yield Reason(text, preset)
+        return
+    if measured.rise_px > max(MAX_RISE_PX, MAX_RISE * max(scene.size_px)):
+        yield Reason(f"the picture is blurred: edges of lines are {measured.rise_px:.0f} px long", "Focus the lens.")
+    along = np.abs(measured.painted.across[measured.sections][:, 1]) > np.sqrt(0.5)
+    if min(along.mean(), 1.0 - along.mean()) < MIN_ACROSS:
+        yield Reason("nearly all of the lines that were found run in one direction", "Show lines in both directions.")
+    if result.coverage < MIN_COVERAGE:
+        text = f"the lines that were found span {result.coverage:.0%} of the field, {MIN_COVERAGE:.0%} are needed"
+        yield Reason(text, "Move the camera so that it sees the whole field, or clear the lines.")
+    share = sum(line.found * line.visible for line in visible) / sum(line.visible for line in visible)
+    if share < MIN_FOUND:
+        yield Reason(f"only {share:.0%} of the lines' length shows paint at its place", preset)
+    if result.rms_px > max(MAX_RMS_PX, MAX_RMS * max(scene.size_px)):
+        text = f"the lines lie {result.rms_px:.1f} px (rms) beside where one camera can see them"
+        yield Reason(text, "Check the field's measures.")
+    if result.floor_error_m > max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m):
+        yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", "Show more of the lines.")
+    pulled = np.abs(scene.prior.distances(lens))
+    if pulled[FOCAL] > CENTER_SIGMAS or pulled[CENTER].max() > CENTER_SIGMAS:
+        text = "the lines fit only a lens that is not a usual one: focal length or center are far from what is expected"
+        yield Reason(text, preset)
+
+
+def _notes(result: Calibration) -> Iterator[str]:
+    height_m = result.camera.position_m[2]
+    if result.height_deviation_m > MAX_HEIGHT_DEVIATION * height_m:
+        yield (
+            f"lines on the floor do not say how high the camera is ({height_m:.2f} m +- {result.height_deviation_m:.2f}"
+            f" m): robots may be up to {result.marker_error_m * 1e3:.0f} mm off; measure it with a tape"
+        )
+    yield (
+        "the lines look the same from both ends: which goal is at the left follows from the first guess, not from the"
+        " picture"
+    )
+    missing = [line.name for line in result.lines if line.visible > 0.2 and line.found < LINE_FOUND]
+    if missing:
+        yield f"without paint at its place: {', '.join(missing)}"
+
+
+def _lines(scene: Scene, lens: Lens, measured: Measured | None) -> tuple[LineResult, ...]:
+    painted = sections_for(scene.field, lens) if measured is None else measured.painted
+    middles = placed(painted, lens).points_px.mean(axis=1)
+    visible = scene.is_visible(middles)
+    results = []
+    for number, name in enumerate(painted.names):
+        own = painted.line == number
+        path = middles[own][np.isfinite(middles[own]).all(axis=1)].round(1)
+        points = tuple((x, y) for x, y in path.tolist())
+        share = float(visible[own].mean())
+        if measured is None or not (mine := measured.line == number).any():
+            results.append(LineResult(name, points, share, 0.0, None, None, ()))
+            continue
+        sights = measured.sights.chosen(mine)
+        distances = sights.distances(lens)
+        shown = len(sights) / max(float(visible[own].sum()) * measured.pictures, 1.0)
+        held_out = _held_out_px(scene, measured, ~mine)
+        vectors = np.column_stack([sights.pixels, -sights.normals * distances[:, None]])
+        places = np.column_stack([lens.project(sights.points_m), vectors[:, 2:]]).round(2).tolist()
+        results.append(
+            LineResult(
+                name,
+                points,
+                share,
+                min(shown, 1.0),
+                _rms(distances),
+                held_out,
+                tuple((x, y, u, v) for x, y, u, v in places),
+            )
+        )
+    return tuple(results)
+
+
+def _inflation(measured: Measured) -> float:
+    """How much larger variances are because neighbouring sections of a line share their errors."""
+    distances, line = measured.sights.distances(measured.lens), measured.line
+    pairs = (distances[:-1] * distances[1:])[line[:-1] == line[1:]]
+    alike = pairs.mean() / max(float((distances**2).mean()), 1e-12) if len(pairs) else 0.0
+    alike = min(max(float(alike), 0.0), MAX_ALIKE)
+    return (1.0 + alike) / (1.0 - alike)
+
+
+def _held_out_px(scene: Scene, measured: Measured, rest: NDArray[np.bool_]) -> float | None:
+    """How far a line lies beside the place that all other lines give it [px rms]."""
+    if rest.sum() < MIN_SAMPLES // 2:
+        return None
+    lens = fit(measured.lens, measured.sights.chosen(rest), scene.prior, steps=3).lens
+    return _rms(measured.sights.chosen(~rest).distances(lens))
+
+
+def _rms(distances: Floats) -> float:
+    return float(np.sqrt((distances**2).mean()))
+
+
+def _place_error_m(scene: Scene, lens: Lens, covariance: Floats, height_m: float) -> float:
+    """Two standard deviations of a place at a height, the largest of the field [m]."""
+    share = height_m / lens.position_m[2]
+    floor = (scene.grid_m - lens.position_m[:2] * share) / (1.0 - share)
+    floor = floor[scene.is_visible(lens.project(floor))]
+    if not len(floor):
+        return float("inf")
+    step = 1e-4
+    ahead, aside = (
+        (lens.project(floor + move) - lens.project(floor - move)) / (2.0 * step)
+        for move in (np.array([step, 0.0]), np.array([0.0, step]))
+    )
+    floor_moves = -np.linalg.solve(np.stack([ahead, aside], axis=-1), lens.jacobian(floor))  # of a fixed pixel
+    moves = floor_moves * (1.0 - share)
+    moves[:, 0, 7] += share
+    moves[:, 1, 8] += share
+    moves[:, :, HEIGHT] -= (lens.position_m[:2] - floor) * (share / lens.position_m[2])
+    spread = np.einsum("ncp,pq,ncq->n", moves, covariance, moves)
+    return 2.0 * float(np.sqrt(spread.max()))
+
+
+def _area(field: FieldSettings) -> float:
+    return field.length_m * field.width_m
+
+
+def _hull_area(points: Floats) -> float:
+    """Area of the convex hull of points, shape (n, 2) [m^2]."""
+    ordered = sorted(map(tuple, points.round(6).tolist()))
+    hull: list[tuple[float, ...]] = []
+    for half in (ordered, ordered[::-1]):
+        chain: list[tuple[float, ...]] = []
+        for x, y in half:
+            while len(chain) > 1 and _is_right(chain[-2], chain[-1], (x, y)):
+                chain.pop()
+            chain.append((x, y))
+        hull += chain[:-1]
+    x, y = np.array(hull).T if len(hull) > 2 else (np.zeros(1), np.zeros(1))
+    return float(abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2.0)
+
+
+def _is_right(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> bool:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) <= 0.0

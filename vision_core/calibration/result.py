@@ -1,0 +1,69 @@
+"""What a calibration gives back: the camera, how sure it is, everything a page draws, and why it is not accepted."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from vision_core.settings.schema import PinholeSettings
+from vision_core.types.reasons import Reason
+
+Progress: TypeAlias = Callable[[str, float], None]
+"""Called with what is being done and the share that is done, 0..1. It may raise ``Cancelled``: nothing is kept then."""
+
+Vector: TypeAlias = tuple[float, float, float, float]
+"""x, y and the step x, y to where the paint is [px]."""
+
+
+class Cancelled(Exception):
+    """Raised by a caller's progress function to end a calibration."""
+
+
+@dataclass(frozen=True, slots=True)
+class LineResult:
+    """One painted line of the field in the picture."""
+
+    name: str
+    points_px: tuple[tuple[float, float], ...]
+    """Where the camera puts the line: a path to draw."""
+    visible: float
+    """Share of it that lies in the picture."""
+    found: float
+    """Share of the visible part that shows paint at its place."""
+    rms_px: float | None
+    """Of the paint's distances from the line's place; None where none was found."""
+    held_out_px: float | None
+    """The same when the camera is fitted to all other lines; None where they do not suffice."""
+    residuals: tuple[Vector, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """A camera that was calibrated, or an attempt."""
+
+    camera: PinholeSettings
+    size_px: tuple[int, int]
+    """Width and height of the pictures."""
+    reasons: tuple[Reason, ...]
+    """Why it is refused; empty: it is accepted."""
+    notes: tuple[str, ...]
+    """What one should know although it is accepted."""
+    lines: tuple[LineResult, ...]
+    samples: int
+    """Sections of lines that count."""
+    rms_px: float
+    """Of their distances from where the camera puts them."""
+    floor_error_m: float
+    """Two standard deviations of a floor point's place, where on the field that is largest."""
+    height_deviation_m: float
+    """Standard deviation of the camera's height, which lines on the floor hardly determine."""
+    marker_error_m: float
+    """Two standard deviations of a place at the height of the robots' markers, where it is largest."""
+    condition: float
+    """Condition number of the normal equations, in units of the priors."""
+    coverage: float
+    """Share of the field inside the hull of the sections that count."""
+
+    @property
+    def accepted(self) -> bool:
+        """May it be used?"""
+        return not self.reasons
