@@ -13,8 +13,8 @@ Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA p
 
 The whole service: ``clients``, ``faults`` (with ``fault_targets`` and ``shutdown``).
 
-Shared parts: ``calibration_views`` renders pictures of random cameras, ``service`` starts the real service, ``pictures`` gives it a fast camera, ``load`` keeps all cores busy,
-``charts`` draws histograms. Helper processes run beside a measurement (``helpers``): ``receiver`` is all clients,
-``pages`` all web pages, ``record_timestamps`` and ``freshness`` read the database, ``stall_detector`` shows when the
-machine stood still.
+Shared parts: ``calibration_views`` renders the pictures of random cameras, ``service`` starts the real service,
+``pictures`` gives it a fast camera, ``load`` keeps all cores busy, ``charts`` draws histograms. Helper processes run
+beside a measurement (``helpers``): ``receiver`` is all clients, ``pages`` all web pages, ``record_timestamps`` and
+``freshness`` read the database, ``stall_detector`` shows when the machine stood still.
 """
