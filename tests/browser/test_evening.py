@@ -162,6 +162,7 @@ def program_of_another_address(page: Page, hands: Hands, service: RunningService
         hands.press(request.get_by_role("button", name="✓ Admit"))
         expect(page.get_by_text(f"{STRANGER} is admitted").first).to_be_visible()
         wait_for(lambda: is_served(client, init, service))
+        expect(request).to_have_count(0)
         expect(page.get_by_role("region", name="Connected programs", exact=True)).to_contain_text(STRANGER)
         client.sendto(b"(bye)", ("127.0.0.1", service.udp_port))
 

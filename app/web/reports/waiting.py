@@ -49,10 +49,13 @@ class WaitingReport(Report):
 
 
 def waiting_from(snapshot: ServiceSnapshot) -> list[WaitingReport]:
-    """Refused clients, those that wait to be admitted first, then the newest first."""
+    """Refused clients, those that wait to be admitted first, then the newest first. Who is served by now is none."""
     serving = snapshot.recent(records.SERVING)
+    served = {(each.address, each.team, each.number) for each in (serving.value.clients if serving else ())}
     found = []
     for refused in serving.value.refused if serving else ():
+        if (refused.address, refused.team, refused.number) in served:
+            continue
         reason, advice = REASONS.get(ErrorCode(refused.error), OTHERWISE)
         found.append(
             WaitingReport(
