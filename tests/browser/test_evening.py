@@ -1,4 +1,4 @@
-"""A referee's evening on the running service, once with the mouse and once with the keyboard alone.
+"""A referee's evening on the running service, by keyboard alone.
 
 First run, password, two teams, a program from another address, sides, a team's own page, undo, and everything moved to
 another server.
@@ -32,44 +32,28 @@ MOST_TABS = 150
 IS_FOCUSED = "element => element === document.activeElement"
 
 
-class Mouse:
-    """Operates a page by pointing."""
-
-    def press(self, target: Locator) -> None:
-        """Press a button, or follow a link."""
-        target.click()
-
-    def fill(self, target: Locator, text: str) -> None:
-        """Write into a field."""
-        target.fill(text)
-
-    def choose(self, target: Locator, label: str) -> None:
-        """Choose an option."""
-        target.select_option(label=label)
-
-    def turn_to(self, tab: Locator) -> None:
-        """Show another tab."""
-        tab.click()
-
-
 class Keyboard:
     """Operates a page with the keyboard alone: Tab, Enter, letters."""
 
     def press(self, target: Locator) -> None:
+        """Press a button, or follow a link."""
         self._reach(target)
         target.page.keyboard.press("Enter")
 
     def fill(self, target: Locator, text: str) -> None:
+        """Write into a field."""
         self._reach(target)
         target.page.keyboard.press("Control+A")
         target.page.keyboard.type(text)
 
     def choose(self, target: Locator, label: str) -> None:
+        """Choose an option."""
         self._reach(target)
         target.page.keyboard.type(label)
         target.page.keyboard.press("Enter")
 
     def turn_to(self, tab: Locator) -> None:
+        """Show another tab."""
         self._reach(tab.page.get_by_role("tab", selected=True))
         while not tab.evaluate(IS_FOCUSED):
             tab.page.keyboard.press("ArrowRight")
@@ -84,9 +68,6 @@ class Keyboard:
         raise AssertionError(f"{target} is not reached by Tab")
 
 
-Hands = Mouse | Keyboard
-
-
 @contextmanager
 def server(folder: Path) -> Iterator[tuple[RunningService, str]]:
     """A service that nobody has used yet, and the path of the link that it prints."""
@@ -95,8 +76,8 @@ def server(folder: Path) -> Iterator[tuple[RunningService, str]]:
         yield service, link_of(folder / NAME)
 
 
-@pytest.mark.parametrize("hands", [Mouse(), Keyboard()], ids=["mouse", "keyboard"])
-def test_an_evening(browser: Browser, tmp_path: Path, hands: Hands) -> None:
+def test_an_evening_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
+    hands = Keyboard()
     with server(tmp_path / "hall") as (service, path):
         service.request("POST", "/api/v1/refusals", {"address": STRANGER})  # this machine's addresses are admitted
         page = browser.new_page(accept_downloads=True)
@@ -126,12 +107,12 @@ def test_an_evening(browser: Browser, tmp_path: Path, hands: Hands) -> None:
     other.stop()
 
 
-def visit(page: Page, hands: Hands, name: str) -> None:
+def visit(page: Page, hands: Keyboard, name: str) -> None:
     hands.press(page.get_by_role("navigation", name="Pages").get_by_role("link", name=name))
     expect(page.get_by_role("heading", level=1, name=name)).to_be_visible()
 
 
-def first_run(page: Page, hands: Hands) -> None:
+def first_run(page: Page, hands: Keyboard) -> None:
     hands.press(page.get_by_role("link", name="Set a password"))
     hands.fill(page.get_by_label("New password or PIN"), PASSWORD)
     hands.fill(page.get_by_label("Once more"), PASSWORD)
@@ -139,7 +120,7 @@ def first_run(page: Page, hands: Hands) -> None:
     expect(page.get_by_text("The password is set.").first).to_be_visible()
 
 
-def register(page: Page, hands: Hands, name: str, short: str) -> None:
+def register(page: Page, hands: Keyboard, name: str, short: str) -> None:
     visit(page, hands, "Teams")
     hands.press(page.get_by_role("button", name="Register a team"))
     dialog = page.get_by_role("dialog")
@@ -149,7 +130,7 @@ def register(page: Page, hands: Hands, name: str, short: str) -> None:
     expect(page.get_by_role("heading", name=name)).to_be_visible()
 
 
-def program_of_another_address(page: Page, hands: Hands, service: RunningService) -> None:
+def program_of_another_address(page: Page, hands: Keyboard, service: RunningService) -> None:
     """It knows the paper only, waits, is admitted in one click and receives views."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
         client.bind((STRANGER, 0))
@@ -175,7 +156,7 @@ def is_served(client: socket.socket, init: bytes, service: RunningService) -> bo
     return False
 
 
-def sides(page: Page, hands: Hands, service: RunningService) -> None:
+def sides(page: Page, hands: Keyboard, service: RunningService) -> None:
     """Swapped without a session ending."""
     client, session = listener(service, "blue", 1)
     with client:
@@ -188,7 +169,7 @@ def sides(page: Page, hands: Hands, service: RunningService) -> None:
         client.sendto(b"(bye)", session)
 
 
-def team_page(browser: Browser, page: Page, hands: Hands, service: RunningService) -> None:
+def team_page(browser: Browser, page: Page, hands: Keyboard, service: RunningService) -> None:
     """The link with a team's key shows its robots, to somebody who has not logged in."""
     visit(page, hands, "Teams")
     team = page.locator("article", has=page.get_by_role("heading", name="Cologne"))
@@ -205,7 +186,7 @@ def team_page(browser: Browser, page: Page, hands: Hands, service: RunningServic
     visitor.context.close()
 
 
-def undo(page: Page, hands: Hands) -> None:
+def undo(page: Page, hands: Keyboard) -> None:
     """What was done last is named, taken back and done again."""
     visit(page, hands, "Match")
     hands.press(page.get_by_role("button", name="Swap sides"))
@@ -216,7 +197,7 @@ def undo(page: Page, hands: Hands) -> None:
     expect(page.locator(".side-of").first).to_contain_text("Bremen")
 
 
-def export(page: Page, hands: Hands, folder: Path) -> Path:
+def export(page: Page, hands: Keyboard, folder: Path) -> Path:
     visit(page, hands, "Settings")
     hands.turn_to(page.get_by_role("tab", name="Export and import"))
     with page.expect_download() as download:
@@ -227,7 +208,7 @@ def export(page: Page, hands: Hands, folder: Path) -> Path:
     return path
 
 
-def import_(page: Page, hands: Hands, exported: Path) -> None:
+def import_(page: Page, hands: Keyboard, exported: Path) -> None:
     """A preview first, then the same teams and sides."""
     visit(page, hands, "Settings")
     hands.turn_to(page.get_by_role("tab", name="Export and import"))
