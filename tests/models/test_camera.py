@@ -1,11 +1,12 @@
 """Maps between pixels and the field: round trips, and OpenCV as an independent reference."""
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from vision_core.errors import SettingsError
@@ -13,6 +14,8 @@ from vision_core.geometry import Floats
 from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera, homography
 
 GRID: Floats = np.array([(x, y) for x in np.linspace(-1.4, 1.4, 8) for y in np.linspace(-1.1, 1.1, 7)])
+HIGHEST_M = 0.5
+"""The planes that are looked at are at most so high."""
 
 
 @st.composite
@@ -20,13 +23,20 @@ def cameras(draw: st.DrawFn) -> PinholeCamera:
     """Ceiling cameras as they are hung: tilted by up to 15 degrees, with a lens that bends lines visibly."""
     tilt = st.floats(-15.0, 15.0)
     small = st.floats(-0.002, 0.002)
-    return PinholeCamera(
-        focal_px=draw(st.floats(300.0, 2000.0)),
-        center_px=(draw(st.floats(250.0, 400.0)), draw(st.floats(180.0, 300.0))),
-        distortion=(draw(st.floats(-0.15, 0.05)), draw(st.floats(-0.02, 0.02)), draw(small), draw(small), 0.0),
-        position_m=(draw(st.floats(-0.5, 0.5)), draw(st.floats(-0.5, 0.5)), draw(st.floats(3.0, 6.0))),
-        rotation_deg=(draw(tilt), draw(tilt), draw(st.floats(-180.0, 180.0))),
-    )
+    distortion = (draw(st.floats(-0.15, 0.05)), draw(st.floats(-0.02, 0.02)), draw(small), draw(small), 0.0)
+    position_m = (draw(st.floats(-0.5, 0.5)), draw(st.floats(-0.5, 0.5)), draw(st.floats(3.0, 6.0)))
+    rotation_deg = (draw(tilt), draw(tilt), draw(st.floats(-180.0, 180.0)))
+    bare = PinholeCamera(1.0, (0.0, 0.0), (0.0,) * 5, position_m, rotation_deg)
+    farthest = np.max(np.sum(bare.pixel_from_field(GRID, HIGHEST_M) ** 2, axis=1))
+    assume(shows_each_place_once(distortion, float(farthest)))
+    center_px = (draw(st.floats(250.0, 400.0)), draw(st.floats(180.0, 300.0)))
+    return PinholeCamera(draw(st.floats(300.0, 2000.0)), center_px, distortion, position_m, rotation_deg)
+
+
+def shows_each_place_once(distortion: Sequence[float], farthest: float) -> bool:
+    """Does the radius in the picture grow with the radius in the plane of the lens? farthest: its largest square."""
+    squares = np.linspace(0.0, farthest, 50)
+    return bool(np.min(1.0 + 3.0 * distortion[0] * squares + 5.0 * distortion[1] * squares**2) > 0.1)
 
 
 def straight_down(height_m: float = 4.0) -> PinholeCamera:

@@ -96,7 +96,8 @@ class Stadium:
         views = [self.see(session, grabbed) if due[row] else None for row, session in enumerate(sessions)]
         summary = self.server.send_batch(grabbed, Batch.of([data or b"" for data in views]))
         deliveries = self.deliveries(sessions)
-        assert (summary.sessions, summary.last) == (len(deliveries), deliveries[-1].sent_at if deliveries else None)
+        if all(session in self.server for session in sessions):  # a client may have closed its port meanwhile
+            assert (summary.sessions, summary.last) == (len(deliveries), deliveries[-1].sent_at if deliveries else None)
         return Frame(deliveries, summary.events)
 
     def deliveries(self, sessions: tuple[Session, ...]) -> tuple[Delivery, ...]:
