@@ -1,10 +1,10 @@
 """``pslv evaluate``: recall and precision on pictures with truth files."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 from rich.console import Console
@@ -15,7 +15,10 @@ from app.commands.options import ConfigFile, Venue
 from vision_core.errors import SourceError
 
 if TYPE_CHECKING:
+    from vision_core.evaluation.lights import LightScore
     from vision_core.evaluation.score import PictureScore, Score
+
+T = TypeVar("T")
 
 
 def evaluate(
@@ -26,8 +29,10 @@ def evaluate(
     only: Annotated[str | None, typer.Option(help="Pictures whose names match: '30.01*'.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="The sums as one line of JSON.")] = False,
     draw: Annotated[Path | None, typer.Option(help="Folder for overlays with misses marked.")] = None,
+    lights: Annotated[bool, typer.Option("--lights", help="Score robots in other light instead.")] = False,
 ) -> None:
     """Score what is found in pictures against their truth: recall, precision and distance of robots and balls."""
+    from vision_core.evaluation.lights import LIGHTS, score_in_lights
     from vision_core.evaluation.score import evaluate as score_all
     from vision_core.evaluation.score import total
     from vision_core.evaluation.truth_files import load_truth
@@ -39,14 +44,33 @@ def evaluate(
     if not chosen:
         names = ", ".join(picture.file.name for picture in pictures[:5])
         raise SourceError(f"--only {only}", found="no picture of this name", accepted=f"names as {names}")
-    console = Console(stderr=True, highlight=False)
-    scoring = score_all(chosen, settings, tolerance, draw)
-    scores = list(track(scoring, total=len(chosen), console=console, transient=True, disable=not console.is_terminal))
+    if lights:
+        in_lights = _tracked(score_in_lights(chosen, settings, tolerance), len(LIGHTS))
+        _print_lights(in_lights, as_json=as_json)
+        return
+    scores = _tracked(score_all(chosen, settings, tolerance, draw), len(chosen))
     sums = total(scores)
     if as_json:
         typer.echo(json.dumps(sums))
     else:
         _print(scores, sums)
+
+
+def _tracked(work: Iterable[T], total: int) -> list[T]:
+    """All results, with a progress bar on a terminal."""
+    console = Console(stderr=True, highlight=False)
+    return list(track(work, total=total, console=console, transient=True, disable=not console.is_terminal))
+
+
+def _print_lights(scores: Sequence["LightScore"], *, as_json: bool) -> None:
+    if as_json:
+        typer.echo(json.dumps([score.row() for score in scores]))
+        return
+    table = Table("light", "robots found", "ids right", "ids wrong", "false robots", expand=False)
+    for one in scores:
+        found, right = f"{one.found}/{one.robots}", f"{one.right}/{one.ids}"
+        table.add_row(one.light, found, right, str(one.wrong), str(one.false))
+    Console(highlight=False).print(table)
 
 
 def _print(scores: Sequence["PictureScore"], sums: dict[str, Any]) -> None:

@@ -117,6 +117,11 @@ def encode_jpeg(image: Bytes, quality: int = 80) -> bytes:
     return data.tobytes()
 
 
+def decode_jpeg(data: bytes) -> Bytes:
+    """The picture that ``encode_jpeg`` encoded, blue green red, shape (height, width, 3)."""
+    return cast("Bytes", cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR))
+
+
 def encode_png(image: Bytes) -> bytes:
     """A picture, grey or blue green red, as the bytes of a PNG file."""
     is_encoded, data = cv2.imencode(".png", image)

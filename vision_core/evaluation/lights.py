@@ -1,0 +1,163 @@
+"""How well a venue holds in other light than the one of its pictures: what ``pslv evaluate --lights`` prints.
+
+Every picture is changed as another light, another setting of the camera or a poor connection would change it, and
+scored against the same truth. Each change happens alone. Levels are taken as light in the gains, as cameras without a
+gamma have them: a stage that is right in all of these is not right by a lucky curve.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from vision_core.clock import Instant, ManualClock
+from vision_core.evaluation.score import score_picture
+from vision_core.evaluation.truth_files import PictureTruth
+from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_setup import CameraSetup
+from vision_core.native.opencv import decode_jpeg, encode_jpeg, read_picture
+from vision_core.pipeline.perception import Perception
+from vision_core.settings.schema import Settings
+from vision_core.types.image import ImageFrame
+
+Change = Callable[[Bytes], Bytes]
+"""A picture, shape (height, width, 3), blue green red -> the same in another light."""
+
+BLACKBODY_BGR = {
+    2700: (0.34, 0.66, 1.0),
+    3500: (0.55, 0.77, 1.0),
+    4500: (0.76, 0.88, 1.0),
+    5500: (0.93, 0.95, 1.0),
+    6500: (1.0, 0.98, 0.99),
+    7500: (1.0, 0.93, 0.88),
+}
+"""Blue, green and red of a black body by its temperature [K], the largest being 1 (T. Tanner's table, as light)."""
+TUNED_K = 5500
+"""Temperature of the light that a picture is taken to be in."""
+NOISE_LEVELS = 8.0
+JPEG_QUALITY = 30
+
+
+@dataclass(slots=True)
+class LightScore:
+    """Sums over the pictures of a truth file in one light."""
+
+    light: str
+    pictures: int = 0
+    robots: int = 0
+    """True ones."""
+    found: int = 0
+    """Of the right team and at the right place, with an id or without."""
+    ids: int = 0
+    """True robots whose id the truth gives."""
+    right: int = 0
+    wrong: int = 0
+    false: int = 0
+    """Robots found where none is."""
+
+    def row(self) -> dict[str, Any]:
+        """``{"light", "pictures", "robots", "found", "ids", "right", "wrong", "false"}``."""
+        row: dict[str, Any] = msgspec.to_builtins(self)
+        return row
+
+
+def score_in_lights(
+    truth: Sequence[PictureTruth], settings: Settings, tolerance_px: float, changes: Mapping[str, Change] | None = None
+) -> Iterator[LightScore]:
+    """The score in every light, as it is done. changes: by name; None: ``LIGHTS``.
+
+    Raises SourceError for a picture that cannot be read, SettingsError for a pattern that cannot.
+    """
+    perception = Perception(settings, CameraSetup.from_settings(settings))
+    pictures = [read_picture(picture.file, perception.camera.size_px) for picture in truth]
+    for name, change in (LIGHTS if changes is None else changes).items():
+        score = LightScore(name)
+        for picture, pixels in zip(truth, pictures, strict=True):
+            _add(score, picture, _found_in(change(pixels), perception), tolerance_px)
+        yield score
+
+
+def _found_in(pixels: Bytes, perception: Perception) -> dict[str, Any]:
+    frame = ImageFrame(perception.camera.name, 1, Instant(0), pixels)
+    seen = perception.perceive(frame, ManualClock()).record()
+    found: dict[str, Any] = msgspec.to_builtins(
+        {"robots": list(seen.robots), "balls": list(seen.balls), "reasons": []}
+    )  # fmt: skip
+    return found
+
+
+def _add(score: LightScore, truth: PictureTruth, found: dict[str, Any], tolerance_px: float) -> None:
+    places = replace(truth, robots=tuple(replace(robot, id=None) for robot in truth.robots))
+    named = replace(truth, robots=tuple(robot for robot in truth.robots if robot.id is not None))
+    at_places, by_id = (score_picture(one, found, tolerance_px) for one in (places, named))
+    score.pictures += 1
+    score.robots += at_places.robots.true
+    score.found += at_places.robots.hits
+    score.false += at_places.robots.found - at_places.robots.hits
+    score.ids += by_id.robots.true
+    score.right += by_id.robots.hits
+    score.wrong += by_id.wrong_ids
+
+
+def gained(gains_bgr: Sequence[float], black: float = 0.0) -> Change:
+    """Every channel times its gain, plus a level of black."""
+
+    def change(pixels: Bytes) -> Bytes:
+        return _clipped(pixels * np.array(gains_bgr) + black)
+
+    return change
+
+
+def warmed(kelvin: int) -> Change:
+    """The light of a black body instead of that of TUNED_K, as bright in its brightest channel."""
+    ratio = np.array(BLACKBODY_BGR[kelvin]) / np.array(BLACKBODY_BGR[TUNED_K])
+    return gained((ratio / ratio.max()).tolist())
+
+
+def curved(gamma: float) -> Change:
+    """Another curve of the camera: 255 (level / 255)^gamma."""
+
+    def change(pixels: Bytes) -> Bytes:
+        return _clipped(255.0 * (pixels / 255.0) ** gamma)
+
+    return change
+
+
+def half_dark(pixels: Bytes) -> Bytes:
+    """The right half with half of the light, as when a row of lamps is off; the border is a tenth of the width wide."""
+    along = np.linspace(0.0, 1.0, pixels.shape[1])
+    gain = 1.0 - 0.5 * np.clip((along - 0.45) / 0.1, 0.0, 1.0)
+    return _clipped(pixels * gain[None, :, None])
+
+
+def noisy(pixels: Bytes) -> Bytes:
+    """Gaussian noise of NOISE_LEVELS on every channel, the same for every picture of a size."""
+    noise = np.random.default_rng(1).normal(0.0, NOISE_LEVELS, pixels.shape)
+    return _clipped(pixels + noise)
+
+
+def compressed(pixels: Bytes) -> Bytes:
+    """Through a JPEG of quality JPEG_QUALITY."""
+    return decode_jpeg(encode_jpeg(pixels, JPEG_QUALITY))
+
+
+def _clipped(levels: Floats) -> Bytes:
+    clipped: Bytes = np.clip(levels.round(), 0.0, 255.0).astype(np.uint8)
+    return clipped
+
+
+LIGHTS: dict[str, Change] = {
+    "as it is": lambda pixels: pixels,
+    **{f"all x {gain:g}": gained((gain,) * 3) for gain in (0.4, 0.7, 1.4, 2.0)},
+    **{f"blue x {gain:g}": gained((gain, 1.0, 1.0)) for gain in (0.6, 1.5)},
+    **{f"red x {gain:g}": gained((1.0, 1.0, gain)) for gain in (0.6, 1.5)},
+    **{f"{kelvin} K": warmed(kelvin) for kelvin in (2700, 3500, 4500, 7500)},
+    "right half x 0.5": half_dark,
+    **{f"gamma {gamma:g}": curved(gamma) for gamma in (0.7, 1.4)},
+    "black + 20": gained((1.0, 1.0, 1.0), 20.0),
+    "JPEG 30": compressed,
+    "noise 8": noisy,
+}
+"""The changes of light by name."""
