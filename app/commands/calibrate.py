@@ -45,6 +45,9 @@ def camera(
     height: Annotated[
         float | None, typer.Option(min=0.1, max=100.0, help="Height of the camera by tape measure [m].")
     ] = None,
+    measures: Annotated[
+        bool, typer.Option("--measures", help="The field's measures, except its length, are estimates: solve them too.")
+    ] = False,
     draw: Annotated[Path | None, typer.Option(help="Picture file for an overlay: lines and residuals.")] = None,
     save: Annotated[
         bool, typer.Option("--save", help="Write the camera into the file of --config or --venue.")
@@ -74,6 +77,7 @@ def camera(
             settings.field,
             start,
             height_m=height,
+            frees_measures=measures,
             marker_height_m=settings.robots.height_m,
             progress=lambda what, share: progress.show(f"{share:.0%} {what}"),
         )
@@ -87,9 +91,9 @@ def camera(
     if not result.accepted:
         raise typer.Exit(2)
     if not as_json:
-        typer.echo(camera_lines(result.camera, result.size_px))
+        typer.echo(camera_lines(result.camera, result.size_px, result.measures_m))
     if save and target is not None:
-        save_camera(layers, target, result.camera, result.size_px)
+        save_camera(layers, target, result.camera, result.size_px, result.measures_m)
         typer.echo(f"# saved in {target.name}", err=True)
 
 
@@ -182,6 +186,7 @@ def _report(result: "Calibration", settings: "Settings") -> str:
 
 def _line(line: "LineResult") -> str:
     if line.rms_px is None:
-        return f"{line.name}: not measured, {line.visible:.0%} of it is in the picture"
+        beside = "" if line.beside_px is None else f", seen {line.beside_px:.0f} px beside its place"
+        return f"{line.name}: not measured, {line.visible:.0%} of it is in the picture{beside}"
     held_out = "" if line.held_out_px is None else f", {line.held_out_px:.2f} px by the others alone"
     return f"{line.name}: {line.rms_px:.2f} px, {line.found:.0%} of it{held_out}"

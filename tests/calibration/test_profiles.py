@@ -18,6 +18,12 @@ def vertical_line(middle_px: float, width_px: float, right: float = 60.0) -> Flo
     return np.tile(blurred.astype(np.float32), (HEIGHT, 1))
 
 
+def several(section: Placed, count: int) -> Placed:
+    """The same section again and again."""
+    points, normals = np.repeat(section.points_px, count, axis=0), np.repeat(section.normals, count, axis=0)
+    return Placed(points, normals, np.repeat(section.half_px, count), np.repeat(section.inward, count))
+
+
 def across(x_px: float, width_px: float, inward: int = 0) -> Placed:
     """One section of a vertical line."""
     points = np.column_stack([np.full(8, x_px), np.linspace(10.0, 25.0, 8)])
@@ -46,6 +52,14 @@ def test_a_wall_as_bright_as_its_line_leaves_a_step() -> None:
     picture, section = vertical_line(30.3, 3.0, right=200.0), across(30.0, 3.0, inward=-1)
     assert not find_edges(picture, section, 3.0).found.any()
     assert find_edges(picture, section, 3.0, steps=True).offset_px[0] == pytest.approx(0.3, abs=0.1)
+
+
+def test_lines_that_are_all_wider_than_said_are_found() -> None:
+    picture = vertical_line(30.3, 4.5)
+    assert not find_edges(picture, across(30.0, 1.3), 3.0).found.any()
+    edges = find_edges(picture, several(across(30.0, 1.3), 20), 3.0)
+    assert edges.offset_px == pytest.approx(np.full(20, 0.3), abs=0.1)
+    assert edges.excess_px == pytest.approx(1.6, abs=0.3)
 
 
 def test_bare_carpet_shows_none() -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from bench.calibration_views import View, floor_error_m, view
 from vision_core.calibration.find import corners_m
@@ -78,6 +79,20 @@ def test_every_line_is_told(views: list[View]) -> None:
     assert halfway.held_out_px is not None
     assert halfway.held_out_px < 0.5
     assert len(halfway.residuals) > 5
+
+
+def test_measures_that_are_estimates_are_solved(views: list[View]) -> None:
+    shown = views[4]
+    field = replace(shown.settings.field, penalty_width_m=1.03, width_m=2.25, center_circle_radius_m=0.243)
+    size = shown.pixels.shape[1], shown.pixels.shape[0]
+    start = start_from_lens(shown.start, size)
+    solved = calibrate([shown.pixels], field, start, frees_measures=True)
+    assert solved.accepted, solved.reasons
+    for name, value in solved.measures_m.items():
+        assert value == pytest.approx(getattr(shown.settings.field, name), abs=0.004), name
+    refused = calibrate([shown.pixels], field, start)
+    assert not refused.accepted
+    assert "if the field had width_m = 2.3" in str(refused.reasons[-1])
 
 
 def reasons(pixels: Bytes, preset: str = "ssl-2002") -> str:

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.calibration.lens import CENTER, DISTORTION, FOCAL, HEIGHT, Lens
+from vision_core.calibration.lens import CENTER, DISTORTION, FOCAL, HEIGHT, MEASURES, STRETCH, Lens
 from vision_core.calibration.painted import Painted, placed
 from vision_core.calibration.profiles import FloatImage, find_edges
 from vision_core.calibration.ridges import Ridges
@@ -54,7 +54,8 @@ def fit_points(lens: Lens, places_m: Floats, pixels: Floats, prior: Prior) -> Le
     """The lens that shows floor points at pixels, as well as the prior allows."""
     count = len(places_m)
     along = np.tile([1.0, 0.0], (count, 1)), np.tile([0.0, 1.0], (count, 1))
-    sights = Sights(np.tile(places_m, (2, 1)), np.tile(pixels, (2, 1)), np.concatenate(along))
+    still = np.zeros((2 * count, 2, len(MEASURES)))
+    sights = Sights(np.tile(places_m, (2, 1)), still, np.tile(pixels, (2, 1)), np.concatenate(along))
     return fit(lens, sights, prior, noise_px=1.0, steps=30).lens
 
 
@@ -79,10 +80,11 @@ def look(painted: Painted, lens: Lens, lumas: Sequence[FloatImage], reach_px: fl
     shown = [edges.found & ((edges.single == 0) | singles) for edges in seen]
     sections = np.concatenate([np.flatnonzero(mask) for mask in shown])
     offsets = np.concatenate([edges.offset_px[mask] for edges, mask in zip(seen, shown, strict=True)])
-    middles, normals = painted.middles_m[sections], placed_px.normals[sections]
-    measured = lens.project(middles) + normals * offsets[:, None]
+    normals = placed_px.normals[sections]
+    middles, moves = painted.middles_m[sections], painted.moves[sections]
+    measured = lens.project(middles + moves @ lens.stretch) + normals * offsets[:, None]
     rises = [edges.rise_px for edges in seen if np.isfinite(edges.rise_px)]
-    return Seen(Sights(middles, measured, normals), sections, float(np.median(rises)) if rises else np.nan)
+    return Seen(Sights(middles, moves, measured, normals), sections, float(np.median(rises)) if rises else np.nan)
 
 
 def searched(lens: Lens, painted: Painted, lumas: Sequence[FloatImage], prior: Prior, *, wide: bool) -> Fit | None:
@@ -109,5 +111,6 @@ def posed(prior: Prior, lens: Lens) -> Prior:
     deviations[FOCAL] *= POSE_ONLY
     deviations[CENTER] *= POSE_ONLY
     deviations[DISTORTION] *= POSE_ONLY
+    deviations[STRETCH] *= POSE_ONLY
     values[HEIGHT] = prior.values[HEIGHT]
     return Prior(values, deviations, prior.counts)

@@ -7,10 +7,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.calibration.lens import CENTER, FOCAL, HEIGHT, Lens
+from vision_core.calibration.lens import CENTER, FOCAL, HEIGHT, MEASURES, STRETCH, Lens
 from vision_core.calibration.painted import Painted, placed, sections_for
 from vision_core.calibration.result import Calibration, LineResult
 from vision_core.calibration.solver import Fit, Prior, Sights, fit
+from vision_core.calibration.start import FIXED
 from vision_core.geometry import Bytes, Floats
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.colors import LUMA_BGR
@@ -28,16 +29,18 @@ LINE_FOUND = 0.5
 """A line counts as found when so much of its visible part shows paint."""
 MAX_RMS_PX, MAX_RMS = 1.0, 0.0012
 """Largest rms distance: in pixels, or as a share of the picture's longer side."""
+MAX_HELD_OUT_PX, MAX_HELD_OUT = 3.0, 0.004
+"""Largest distance of a line from the place that all others give it, likewise."""
 MAX_RISE_PX, MAX_RISE = 6.0, 0.008
 """Longest edge from carpet to paint, likewise: longer ones are blurred."""
-MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR = 0.005, 0.004
+MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR = 0.01, 0.005
 """Largest floor error: in metres, or as a share of the field's length."""
+KNOWN = 0.5
+"""A measure of the field was found when its deviation is less than this share of the one before."""
 CENTER_SIGMAS = 4.0
 """A principal point or focal length that is pulled farther from its prior than so many deviations is none."""
 MAX_HEIGHT_DEVIATION = 0.04
 """Share of the height from which on a note says that it is not known."""
-MAX_ALIKE = 0.95
-"""Largest correlation between the distances of neighbouring sections."""
 GRID = 13
 
 
@@ -49,6 +52,11 @@ class Scene:
     size_px: tuple[int, int]
     prior: Prior
     marker_height_m: float
+
+    @property
+    def frees_measures(self) -> bool:
+        """Are the field's measures solved as well?"""
+        return bool((self.prior.deviations[STRETCH] > FIXED).any())
 
     @cached_property
     def grid_m(self) -> Floats:
@@ -74,6 +82,10 @@ class Measured:
     """Index of each sight's section in painted, shape (n,)."""
     rise_px: float
     pictures: int
+    beside_px: Floats
+    """How far beside its place each line is seen that shows no paint there; nan for the others; shape (lines,)."""
+    trust: float
+    """As of ``solver.fit``."""
     fit: Fit
 
     @property
@@ -109,13 +121,14 @@ def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[R
     lines = _lines(scene, lens, measured)
     covariance = np.diag(scene.prior.deviations**2)
     if measured is not None:
-        covariance = measured.fit.covariance(scene.prior) * _inflation(measured)
+        covariance = measured.fit.covariance(scene.prior)
     floor, marker = (_place_error_m(scene, lens, covariance, height) for height in (0.0, scene.marker_height_m))
     rms = float("nan") if measured is None else float(np.sqrt((measured.sights.distances(lens) ** 2).mean()))
     coverage = 0.0 if measured is None else _hull_area(measured.sights.points_m) / _area(scene.field)
     result = Calibration(
         camera=lens.settings(),
         size_px=scene.size_px,
+        measures_m=_measures_m(scene, lens, covariance),
         reasons=reasons,
         notes=(),
         lines=lines,
@@ -131,6 +144,16 @@ def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[R
         return result
     found = tuple(_refusals(scene, result, measured, lens))
     return replace(result, reasons=found, notes=tuple(_notes(result)))
+
+
+def _measures_m(scene: Scene, lens: Lens, covariance: Floats) -> dict[str, float]:
+    """The field's measures by a lens, where they are solved and the lines say something about them."""
+    if not scene.frees_measures:
+        return {}
+    nominal = {name: getattr(scene.field, name) for name in MEASURES}
+    is_known = np.sqrt(np.diag(covariance)[STRETCH]) < KNOWN * scene.prior.deviations[STRETCH]
+    rows = zip(nominal.items(), lens.stretch.tolist(), is_known.tolist(), strict=True)
+    return {name: round(value + more, 4) for (name, value), more, known in rows if value and known}
 
 
 def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens: Lens) -> Iterator[Reason]:
@@ -155,6 +178,16 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
         yield Reason(f"only {share:.0%} of the lines' length shows paint at its place", preset)
     if result.rms_px > max(MAX_RMS_PX, MAX_RMS * max(scene.size_px)):
         text = f"the lines lie {result.rms_px:.1f} px (rms) beside where one camera can see them"
+        yield Reason(text, "Check the field's measures.")
+    displaced = [line for line in visible if line.beside_px is not None]
+    if displaced:
+        worst = max(displaced, key=lambda line: line.beside_px or 0.0)
+        yield Reason(
+            f"the {worst.name} is seen {worst.beside_px:.0f} px beside its place", "Check the field's measures."
+        )
+    tested = [(line.held_out_px, line.name) for line in found if line.held_out_px is not None]
+    if tested and max(tested)[0] > max(MAX_HELD_OUT_PX, MAX_HELD_OUT * max(scene.size_px)):
+        text = f"the {max(tested)[1]} lies {max(tested)[0]:.0f} px beside the place that all other lines give it"
         yield Reason(text, "Check the field's measures.")
     if result.floor_error_m > max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m):
         yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", "Show more of the lines.")
@@ -190,15 +223,16 @@ def _lines(scene: Scene, lens: Lens, measured: Measured | None) -> tuple[LineRes
         path = middles[own][np.isfinite(middles[own]).all(axis=1)].round(1)
         points = tuple((x, y) for x, y in path.tolist())
         share = float(visible[own].mean())
+        beside = None if measured is None or np.isnan(measured.beside_px[number]) else float(measured.beside_px[number])
         if measured is None or not (mine := measured.line == number).any():
-            results.append(LineResult(name, points, share, 0.0, None, None, ()))
+            results.append(LineResult(name, points, share, 0.0, None, beside, None, ()))
             continue
         sights = measured.sights.chosen(mine)
         distances = sights.distances(lens)
         shown = len(sights) / max(float(visible[own].sum()) * measured.pictures, 1.0)
         held_out = _held_out_px(scene, measured, ~mine)
         vectors = np.column_stack([sights.pixels, -sights.normals * distances[:, None]])
-        places = np.column_stack([lens.project(sights.points_m), vectors[:, 2:]]).round(2).tolist()
+        places = np.column_stack([lens.project(sights.places_m(lens)), vectors[:, 2:]]).round(2).tolist()
         results.append(
             LineResult(
                 name,
@@ -206,6 +240,7 @@ def _lines(scene: Scene, lens: Lens, measured: Measured | None) -> tuple[LineRes
                 share,
                 min(shown, 1.0),
                 _rms(distances),
+                beside,
                 held_out,
                 tuple((x, y, u, v) for x, y, u, v in places),
             )
@@ -213,20 +248,11 @@ def _lines(scene: Scene, lens: Lens, measured: Measured | None) -> tuple[LineRes
     return tuple(results)
 
 
-def _inflation(measured: Measured) -> float:
-    """How much larger variances are because neighbouring sections of a line share their errors."""
-    distances, line = measured.sights.distances(measured.lens), measured.line
-    pairs = (distances[:-1] * distances[1:])[line[:-1] == line[1:]]
-    alike = pairs.mean() / max(float((distances**2).mean()), 1e-12) if len(pairs) else 0.0
-    alike = min(max(float(alike), 0.0), MAX_ALIKE)
-    return (1.0 + alike) / (1.0 - alike)
-
-
 def _held_out_px(scene: Scene, measured: Measured, rest: NDArray[np.bool_]) -> float | None:
     """How far a line lies beside the place that all other lines give it [px rms]."""
     if rest.sum() < MIN_SAMPLES // 2:
         return None
-    lens = fit(measured.lens, measured.sights.chosen(rest), scene.prior, steps=3).lens
+    lens = fit(measured.lens, measured.sights.chosen(rest), scene.prior, trust=measured.trust, steps=3).lens
     return _rms(measured.sights.chosen(~rest).distances(lens))
 
 

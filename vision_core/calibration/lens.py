@@ -1,11 +1,11 @@
-"""A lens and its pose as parameters that a solver moves: projection of floor points, and its analytic Jacobian.
+"""A lens, its pose and the field's measures as parameters that a solver moves, with the analytic Jacobian.
 
 Spaces and model as ``models.camera.PinholeCamera``, of which this is the form for solving. The rotation moves by small
 turns about the camera's own axes, so that no direction of view is special.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,8 +13,32 @@ from vision_core.geometry import Floats
 from vision_core.models.camera import PinholeCamera
 from vision_core.settings.schema import PinholeSettings
 
-PARAMETERS = ("focal", "center_x", "center_y", "k1", "k2", "p1", "p2", "x", "y", "z", "turn_x", "turn_y", "turn_z")
-FOCAL, CENTER, DISTORTION, POSITION, TURN = 0, slice(1, 3), slice(3, 7), slice(7, 10), slice(10, 13)
+MEASURES = ("width_m", "penalty_depth_m", "penalty_width_m", "center_circle_radius_m")
+"""Of the field, which may be solved too; its length sets the scale."""
+PARAMETERS = (
+    "focal",
+    "center_x",
+    "center_y",
+    "k1",
+    "k2",
+    "p1",
+    "p2",
+    "x",
+    "y",
+    "z",
+    "turn_x",
+    "turn_y",
+    "turn_z",
+    *MEASURES,
+)
+FOCAL, CENTER, DISTORTION, POSITION, TURN, STRETCH = (
+    0,
+    slice(1, 3),
+    slice(3, 7),
+    slice(7, 10),
+    slice(10, 13),
+    slice(13, 17),
+)
 HEIGHT = 9
 """Index of the height in PARAMETERS."""
 COUNT = len(PARAMETERS)
@@ -33,6 +57,8 @@ class Lens:
     """Shape (3,)."""
     camera_from_field: Floats
     """Rotation, shape (3, 3)."""
+    stretch: Floats = field(default_factory=lambda: np.zeros(len(MEASURES)))
+    """How much larger the field's MEASURES are than its settings say [m], shape (4,)."""
 
     @classmethod
     def from_camera(cls, camera: PinholeCamera) -> "Lens":
@@ -57,11 +83,13 @@ class Lens:
 
     @property
     def values(self) -> Floats:
-        """All parameters in the order of PARAMETERS, the turns 0; shape (13,)."""
-        return np.concatenate([[self.focal_px], self.center_px, self.distortion, self.position_m, np.zeros(3)])
+        """All parameters in the order of PARAMETERS, the turns 0; shape (17,)."""
+        return np.concatenate(
+            [[self.focal_px], self.center_px, self.distortion, self.position_m, np.zeros(3), self.stretch]
+        )
 
     def moved(self, step: Floats) -> "Lens":
-        """The lens after a step of the parameters, shape (13,)."""
+        """The lens after a step of the parameters, shape (17,)."""
         return replace(
             self,
             focal_px=self.focal_px + float(step[FOCAL]),
@@ -69,6 +97,7 @@ class Lens:
             distortion=self.distortion + step[DISTORTION],
             position_m=self.position_m + step[POSITION],
             camera_from_field=_turn(step[TURN]) @ self.camera_from_field,
+            stretch=self.stretch + step[STRETCH],
         )
 
     def project(self, points: Floats) -> Floats:
@@ -76,8 +105,11 @@ class Lens:
         pixels: Floats = self._distorted(self._plane(self._in_camera(points))) * self.focal_px + self.center_px
         return pixels
 
-    def jacobian(self, points: Floats) -> Floats:
-        """How the pixels of floor points move with the parameters: shape (n, 2) [m] -> (n, 2, 13)."""
+    def jacobian(self, points: Floats, moves: Floats | None = None) -> Floats:
+        """How the pixels of floor points move with the parameters: shape (n, 2) [m] -> (n, 2, 17).
+
+        moves: how the points move with the field's measures, shape (n, 2, 4); None: they do not.
+        """
         seen = self._in_camera(points)
         plane = self._plane(seen)
         u, v = plane.T
@@ -102,6 +134,8 @@ class Lens:
         result[:, :, 6] = self.focal_px * np.column_stack([r2 + 2.0 * u * u, 2.0 * u * v])
         result[:, :, POSITION] = chain @ -self.camera_from_field
         result[:, :, TURN] = chain @ _cross(seen)
+        if moves is not None:
+            result[:, :, STRETCH] = -result[:, :, 7:9] @ moves
         return result
 
     def settings(self) -> PinholeSettings:

@@ -1,14 +1,15 @@
 """The painted lines of a field as sections: short pieces, across each of which the picture is read once."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from vision_core.calibration.lens import Lens
+from vision_core.calibration.lens import MEASURES, Lens
 from vision_core.geometry import Floats
 from vision_core.models.field import field_lines
 from vision_core.settings.schema import FieldSettings
@@ -46,6 +47,8 @@ class Painted:
     """Points on the middle of each section's line, shape (n, k, 2)."""
     across: Floats
     """Unit vector across the line in the field at each section's middle, shape (n, 2)."""
+    moves: Floats
+    """How each section moves with the field's measures (``lens.MEASURES``), shape (n, 2, 4)."""
     inward: NDArray[np.int8]
     """1 or -1 for lines along a wall: the carpet is in the direction of ``across``, or against it; 0: on both."""
     width_m: float
@@ -76,13 +79,11 @@ class Placed:
 
 def painted_sections(field: FieldSettings, pixels_per_metre: float) -> Painted:
     """The field's lines cut into sections of about SECTION_PX; none on a field without painted lines."""
-    lines, arcs = field_lines(field)
-    names = [*NAMES[: len(lines)], *(CIRCLE for _ in arcs)]
-    paths = [_straight(np.array(line)) for line in lines]
-    paths += [_round(arc.x_m, arc.y_m, arc.radius_m) for arc in arcs]
-    lengths = [math.hypot(line[2] - line[0], line[3] - line[1]) for line in lines]
-    lengths += [math.tau * arc.radius_m for arc in arcs]
-    numbers, points, across = [], [], []
+    names, paths, lengths = _paths(field)
+    numbers, points, across, moves = [], [], [], []
+    measures = [(name, getattr(field, name)) for name in MEASURES]
+    changed = [replace(field, **{name: value + STEP_M}) if value else None for name, value in measures]
+    longer = [None if other is None else _paths(other)[1] for other in changed]
     for number, (path, length_m) in enumerate(zip(paths, lengths, strict=True)):
         count = int(np.clip(length_m * pixels_per_metre / SECTION_PX, MIN_SECTIONS, MAX_SECTIONS))
         section_m = min(SECTION_PX / pixels_per_metre, length_m / count)
@@ -91,14 +92,38 @@ def painted_sections(field: FieldSettings, pixels_per_metre: float) -> Painted:
         shares = middles[:, None] + spread * section_m / length_m
         points.append(path(shares.ravel())[0].reshape(count, POINTS_PER_SECTION, 2))
         across.append(path(middles)[1])
+        moves.append(_moves(path, [None if paths is None else paths[number] for paths in longer], middles))
         numbers.append(np.full(count, number, dtype=np.intp))
     if not points:
         none, empty = np.empty(0, dtype=np.intp), np.empty((0, 2))
-        return Painted((), none, np.empty((0, POINTS_PER_SECTION, 2)), empty, none.astype(np.int8), 0.0)
+        sections = np.empty((0, POINTS_PER_SECTION, 2))
+        return Painted((), none, sections, empty, np.empty((0, 2, len(MEASURES))), none.astype(np.int8), 0.0)
     line, places, normals = np.concatenate(numbers), np.concatenate(points), np.concatenate(across)
     is_outer = (line < OUTER_LINES) & field.walls & (field.margin_m <= MAX_WALL_GAP_M)
     inward = np.where(is_outer, -np.sign((places.mean(axis=1) * normals).sum(axis=1)), 0.0).astype(np.int8)
-    return Painted(tuple(names), line, places, normals, inward, field.line_width_m)
+    return Painted(tuple(names), line, places, normals, np.concatenate(moves), inward, field.line_width_m)
+
+
+def _paths(field: FieldSettings) -> tuple[list[str], list[Path], list[float]]:
+    """Names, paths and lengths [m] of the field's lines."""
+    lines, arcs = field_lines(field)
+    names = [*NAMES[: len(lines)], *(CIRCLE for _ in arcs)]
+    paths = [*(_straight(np.array(line)) for line in lines), *(_round(arc.x_m, arc.y_m, arc.radius_m) for arc in arcs)]
+    lengths = [math.hypot(line[2] - line[0], line[3] - line[1]) for line in lines]
+    return names, paths, [*lengths, *(math.tau * arc.radius_m for arc in arcs)]
+
+
+def _moves(path: Path, longer: Sequence[Path | None], shares: Floats) -> Floats:
+    """How points of a line move with the field's measures: shape (n,) shares of its length -> (n, 2, 4).
+
+    longer: the line's path after each measure became longer by STEP_M; None: the field has no such measure.
+    """
+    here = path(shares)[0]
+    still = np.zeros_like(here)
+    moves: Floats = (
+        np.stack([still if other is None else other(shares)[0] - here for other in longer], axis=-1) / STEP_M
+    )
+    return moves
 
 
 def sections_for(field: FieldSettings, lens: Lens) -> Painted:
@@ -109,9 +134,10 @@ def sections_for(field: FieldSettings, lens: Lens) -> Painted:
 def placed(painted: Painted, lens: Lens) -> Placed:
     """Where a lens sees sections; nan where it does not."""
     count = len(painted)
-    points = lens.project(painted.points_m.reshape(-1, 2)).reshape(count, -1, 2)
+    shift = painted.moves @ lens.stretch
+    points = lens.project((painted.points_m + shift[:, None]).reshape(-1, 2)).reshape(count, -1, 2)
     half = painted.across * painted.width_m / 2.0
-    middles = painted.middles_m
+    middles = painted.middles_m + shift
     along = np.column_stack([-painted.across[:, 1], painted.across[:, 0]]) * STEP_M
     ahead = lens.project(middles + along) - lens.project(middles - along)
     edge = lens.project(middles + half) - lens.project(middles - half)

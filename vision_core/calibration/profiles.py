@@ -28,6 +28,8 @@ MIN_SIDE = 0.6
 """An edge counts if its step is at least this share of that of the other edge."""
 MAX_WIDTH_ERROR, MAX_WIDTH_ERROR_PX = 0.35, 1.6
 """Both edges belong to one line when their distance differs from its width by no more than this."""
+MAX_WIDER_PX, MIN_AGREEING, AS_SAID = 4.0, 12, 0.5
+"""Lines may all be so much wider than the settings say, when so many sections show it and most are not as said."""
 THIN_PX = 1.3
 """Lines of at most this width are measured by their centroid."""
 FAR = 0.5
@@ -70,7 +72,7 @@ def find_edges(luma: FloatImage, sections: Placed, reach_px: float, *, steps: bo
     steps: of lines along walls, a single step from carpet to paint and wall is enough.
     """
     half = np.where(np.isfinite(sections.half_px), sections.half_px, 1.0)
-    limit = reach_px + 2.0 * half.max(initial=0.0) + BESIDE_PX + 2.0
+    limit = reach_px + 2.0 * half.max(initial=0.0) + MAX_WIDER_PX + 2.0
     offsets = np.arange(-np.ceil(limit / STEP_PX), np.ceil(limit / STEP_PX) + 1.0) * STEP_PX
     profiles = _profiles(luma, sections, offsets)
     start, contrast = _brightest(profiles, half, offsets, reach_px)
@@ -81,9 +83,11 @@ def find_edges(luma: FloatImage, sections: Placed, reach_px: float, *, steps: bo
     is_right, is_left = (
         side_step >= np.maximum(MIN_SIDE * step, MIN_CONTRAST) for side_step in (right_step, left_step)
     )
-    fits = np.abs(width - 2.0 * half) <= np.maximum(MAX_WIDTH_ERROR * 2.0 * half, MAX_WIDTH_ERROR_PX)
     usable = contrast >= MIN_CONTRAST
-    both = usable & is_right & is_left & fits
+    both = usable & is_right & is_left
+    wider = width - 2.0 * half
+    limits = np.maximum(MAX_WIDTH_ERROR * 2.0 * half, MAX_WIDTH_ERROR_PX)
+    both &= np.abs(wider - _usual(wider[both], limits[both])) <= limits
     excess = float(np.median(width[both] / 2.0 - half[both])) if both.any() else 0.0
     single = np.where(usable & ~both & is_right & ~is_left, 1, np.where(usable & ~both & is_left & ~is_right, -1, 0))
     thin = both & (2.0 * half <= THIN_PX)
@@ -134,10 +138,22 @@ def _brightest(profiles: Floats, half: Floats, offsets: Floats, reach_px: float)
     return best, np.where(np.isfinite(contrast), contrast, -np.inf)
 
 
+def _usual(wider: Floats, limits: Floats) -> float:
+    """How much wider all lines are than the settings say [px], by the sections with two edges.
+
+    0 where most of them are as wide as they should be, or too few agree.
+    """
+    near = wider[np.abs(wider) <= MAX_WIDER_PX]
+    is_as_said = (np.abs(wider) <= limits).sum() >= AS_SAID * len(near)
+    return 0.0 if is_as_said or len(near) < MIN_AGREEING else float(np.median(near))
+
+
 def _step(profiles: Floats, half: Floats, offsets: Floats, reach_px: float) -> Floats:
     """How far beside its place lies the step from the paint down to the carpet on its right? Shape (n,) [px]."""
     beside = offsets - half[:, None]
-    bright = np.where((beside < 0.0) & (beside >= -2.0 * half[:, None] - BESIDE_PX), profiles, -np.inf).max(axis=1)
+    bright = np.where((beside < 0.0) & (beside >= -2.0 * half[:, None] - BESIDE_PX - reach_px), profiles, -np.inf).max(
+        axis=1
+    )
     dark = np.where((beside > 0.0) & (beside <= reach_px + BESIDE_PX), profiles, np.inf).min(axis=1)
     with np.errstate(invalid="ignore"):
         level = ((bright + dark) / 2.0)[:, None]
@@ -165,7 +181,7 @@ def _edge(profiles: Floats, start: NDArray[np.intp], half: Floats) -> tuple[Floa
     Returns its offset from the profile's middle [px], the carpet's level beside it, its step, its slope; shape (n,).
     """
     length = profiles.shape[1]
-    reach = np.ceil((2.0 * half + BESIDE_PX) / STEP_PX).astype(np.intp)
+    reach = np.ceil((2.0 * half + MAX_WIDER_PX) / STEP_PX).astype(np.intp)
     steps = np.arange(reach.max(initial=1) + 1)
     index = np.minimum(start[:, None] + steps, length - 1)
     cut = np.take_along_axis(profiles, index, 1)

@@ -31,6 +31,8 @@ class LineResult:
     """Share of the visible part that shows paint at its place."""
     rms_px: float | None
     """Of the paint's distances from the line's place; None where none was found."""
+    beside_px: float | None
+    """How far beside its place a line is seen that shows no paint there; None where none is near."""
     held_out_px: float | None
     """The same when the camera is fitted to all other lines; None where they do not suffice."""
     residuals: tuple[Vector, ...]
@@ -43,6 +45,8 @@ class Calibration:
     camera: PinholeSettings
     size_px: tuple[int, int]
     """Width and height of the pictures."""
+    measures_m: dict[str, float]
+    """Measures of the field by their names in [field], where they were solved as well; otherwise empty."""
     reasons: tuple[Reason, ...]
     """Why it is refused; empty: it is accepted."""
     notes: tuple[str, ...]

@@ -4,30 +4,43 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vision_core.calibration.align import look, searched, shifted
 from vision_core.calibration.find import corners_m, find_field
 from vision_core.calibration.judge import Measured, Scene, judged, picture_reasons
 from vision_core.calibration.lens import Lens
-from vision_core.calibration.painted import sections_for
+from vision_core.calibration.painted import Painted, sections_for
 from vision_core.calibration.profiles import FloatImage, luma_of
 from vision_core.calibration.result import Calibration, Progress
 from vision_core.calibration.ridges import find_ridges
 from vision_core.calibration.solver import Fit, fit
-from vision_core.calibration.start import Start, start_from_points, start_without_lines
+from vision_core.calibration.start import Start, start_from_points, start_without_lines, with_free_measures
 from vision_core.errors import SettingsError
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, Mask
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.reasons import Reason
 
 FINE_PX = (3.0, 2.5, 2.0)
 """How far beside their places edges are searched in the last rounds; in a picture over 800 px wide in proportion."""
+FREE_PX = (8.0, 5.0)
+"""Rounds before these where the field's measures are estimates: lines along walls count from here on."""
+BESIDE_PX, LINE_SHARE, SCATTER_PX = 16.0, 0.5, 1.0
+"""A line is seen beside its place when so much of it is found up to so far away, scattered by no more than this."""
+SPOT = 0.1
+"""A line counts when at least this share of its sections shows paint: less may be anything."""
 NEAR_PX = 3.0
 """Of several first guesses the one counts after which most paint lies so near to its place."""
 MAX_SIGMAS = 3.0
 """Sections that miss the lens by more do not count."""
+MAX_ALIKE = 0.95
+"""Largest correlation between the distances of neighbouring sections."""
 RIVAL = 0.85
 """Another place of the field is a rival if it explains at least this share of the sections of the best one."""
+RIVAL_ERROR, RIVAL_ERROR_PX = 2.0, 1.0
+"""A place of the field that was found is tried when its error is at most so many times that of the best and more."""
+CHANGED = 0.005
+"""Relative difference from which on another measure of the field is named."""
 APART = 0.01
 """Two places of the field differ when its corners are so far apart, as a share of its size."""
 
@@ -52,6 +65,7 @@ def calibrate(
     start: Start | None,
     *,
     height_m: float | None = None,
+    frees_measures: bool = False,
     marker_height_m: float = 0.0,
     progress: Progress = no_progress,
 ) -> Calibration:
@@ -59,9 +73,40 @@ def calibrate(
 
     pictures: shape (height, width, 3) each, of one size; start: a camera that shows the lines at most a sixth of the
     picture beside their places; None: the field is searched, which must be wholly visible, and height_m is the camera's
-    height by tape measure, if somebody measured it; marker_height_m: of the robots. What is refused says so in its
-    reasons. Raises what progress raises.
+    height by tape measure, if somebody measured it; frees_measures: the field's measures, except its length, are
+    estimates that are solved as well; marker_height_m: of the robots. What is refused says so in its reasons. Raises
+    what progress raises.
     """
+    arguments = height_m, marker_height_m, progress
+    result = _calibrate(pictures, field, start, frees_measures, *arguments)
+    if result.accepted or frees_measures or not result.samples:
+        return result
+    progress("trying other measures of the field", 1.0)
+    other = _calibrate(pictures, field, start, True, height_m, marker_height_m, no_progress)
+    return replace(result, reasons=(*result.reasons, _better_measures(field, other))) if other.accepted else result
+
+
+def _better_measures(field: FieldSettings, other: Calibration) -> Reason:
+    """That the lines would fit if the field had other measures."""
+    changed = [
+        f"{name} = {value:.3f} (not {getattr(field, name):g})"
+        for name, value in other.measures_m.items()
+        if abs(value - getattr(field, name)) > CHANGED * value
+    ]
+    text = f"the lines would fit to {other.rms_px:.1f} px if the field had {' and '.join(changed) or 'other measures'}"
+    return Reason(text, "Measure it with a tape, or let the measures be solved too (--measures).")
+
+
+def _calibrate(
+    pictures: Sequence[Bytes],
+    field: FieldSettings,
+    start: Start | None,
+    frees_measures: bool,
+    height_m: float | None,
+    marker_height_m: float,
+    progress: Progress,
+) -> Calibration:
+    """``calibrate`` with the field's measures as they are, or as estimates."""
     size = pictures[0].shape[1], pictures[0].shape[0]
     progress("looking at the pictures", 0.0)
     first = start or start_without_lines(field, size, height_m=height_m)
@@ -70,6 +115,8 @@ def calibrate(
     lumas = [luma_of(picture) for picture in pictures]
     progress("searching the field", 0.1)
     starts = _near(start, pictures[0], field) if start else _found(pictures[0], field, size, height_m)
+    if frees_measures:
+        starts = [with_free_measures(guess, field) for guess in starts]
     tries: list[_Try] = []
     for number, guess in enumerate(starts):
         progress("moving it onto the lines", 0.3 + 0.4 * number / len(starts))
@@ -97,7 +144,10 @@ def _near(start: Start, pixels: Bytes, field: FieldSettings) -> list[Start]:
 def _found(pixels: Bytes, field: FieldSettings, size_px: tuple[int, int], height_m: float | None) -> list[Start]:
     """First guesses from a search of the whole picture."""
     starts = []
-    for found in find_field(pixels, field):
+    places = find_field(pixels, field)
+    for found in places:
+        if found.error_px > RIVAL_ERROR * places[0].error_px + RIVAL_ERROR_PX:
+            break
         try:
             starts.append(start_from_points(found.corners_px, corners_m(field), size_px, height_m=height_m))
         except SettingsError:  # corners that no camera over the field sees so
@@ -140,11 +190,54 @@ def _apart(quad: Floats, other: Floats) -> float:
 def _refined(scene: Scene, lens: Lens, lumas: Sequence[FloatImage]) -> Measured:
     """Edges and lens in turn; sections that miss the lens by much more than the others are left out in the end."""
     scale = max(max(scene.size_px) / 800.0, 1.0)
-    for reach_px in FINE_PX:
+    trust = 1.0
+    for reach_px in (*(FREE_PX if scene.frees_measures else ()), *FINE_PX):
         painted = sections_for(scene.field, lens)
         seen = look(painted, lens, lumas, reach_px * scale)
-        found: Fit = fit(lens, seen.sights, scene.prior)
+        sights = seen.sights.chosen(_is_shown(painted, seen.sections, len(lumas)))
+        found: Fit = fit(lens, sights, scene.prior, trust=trust)
         lens = found.lens
+        trust = _trust(seen.sights.distances(lens), painted.line[seen.sections])
     near = np.abs(seen.sights.distances(lens)) <= MAX_SIGMAS * found.noise_px
+    near &= _is_shown(painted, seen.sections, len(lumas))
     sights, sections = seen.sights.chosen(near), seen.sections[near]
-    return Measured(painted, sights, sections, seen.rise_px, len(lumas), fit(lens, sights, scene.prior))
+    found = fit(lens, sights, scene.prior, trust=trust)
+    return Measured(
+        painted, sights, sections, seen.rise_px, len(lumas), _beside(painted, found.lens, lumas, sections), trust, found
+    )
+
+
+def _is_shown(painted: Painted, sections: NDArray[np.intp], pictures: int) -> Mask:
+    """Which sections belong to lines that show more than a spot of paint at their places."""
+    count = len(painted.names)
+    shown = np.bincount(painted.line[sections], minlength=count)
+    enough = shown >= SPOT * pictures * np.bincount(painted.line, minlength=count)
+    is_shown: Mask = enough[painted.line[sections]]
+    return is_shown
+
+
+def _beside(painted: Painted, lens: Lens, lumas: Sequence[FloatImage], shown: NDArray[np.intp]) -> Floats:
+    """How far beside its place each line is seen that shows no paint there, nan for the others; shape (lines,) [px].
+
+    shown: indices of the sections that show paint at their places.
+    """
+    scale = max(max(lumas[0].shape) / 800.0, 1.0)
+    seen = look(painted, lens, lumas, BESIDE_PX * scale, singles=False)
+    distances, line = seen.sights.distances(lens), painted.line[seen.sections]
+    beside = np.full(len(painted.names), np.nan)
+    for number in range(len(painted.names)):
+        own, count = distances[line == number], (painted.line == number).sum() * len(lumas)
+        if len(own) < LINE_SHARE * count or (painted.line[shown] == number).sum() > LINE_SHARE * count:
+            continue
+        middle = float(np.median(own))
+        if abs(middle) > NEAR_PX * scale and np.median(np.abs(own - middle)) < SCATTER_PX * scale:
+            beside[number] = abs(middle)
+    return beside
+
+
+def _trust(distances: Floats, line: NDArray[np.intp]) -> float:
+    """The share of sections that count as independent, by how alike the distances of neighbours on a line are."""
+    pairs = (distances[:-1] * distances[1:])[line[:-1] == line[1:]]
+    alike = float(pairs.mean() / max(float((distances**2).mean()), 1e-12)) if len(pairs) else 0.0
+    alike = min(max(alike, 0.0), MAX_ALIKE)
+    return (1.0 - alike) / (1.0 + alike)

@@ -5,22 +5,35 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.calibration.align import fit_points, posed
-from vision_core.calibration.lens import CENTER, COUNT, DISTORTION, FOCAL, HEIGHT, POSITION, TURN, Lens
+from vision_core.calibration.lens import (
+    CENTER,
+    COUNT,
+    DISTORTION,
+    FOCAL,
+    HEIGHT,
+    MEASURES,
+    POSITION,
+    STRETCH,
+    TURN,
+    Lens,
+)
 from vision_core.calibration.solver import Prior
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats
 from vision_core.models.camera import homography, mapped
 from vision_core.settings.schema import CameraSettings, FieldSettings
 
-FOCAL_PER_SIDE = 1.0
-"""Of a camera about which nothing is known: focal length over the picture's longer side, a view of 53 degrees."""
+FOCAL_PER_SIDE = 0.9
+"""Of a camera about which nothing is known: focal length over the picture's longer side, a view of 58 degrees."""
 GUESSED_FOCAL, KNOWN_FOCAL = 0.3, 0.05
 """Relative deviations of a focal length that was guessed, and of one from a calibrated lens."""
-GUESSED_HEIGHT, MEASURED_HEIGHT = 0.5, 0.01
-"""Relative deviations of a height that was guessed, and of one by tape measure."""
-CENTER_SHARE = 0.012
+GUESSED_HEIGHT, VENUE_HEIGHT, MEASURED_HEIGHT = 0.5, 0.05, 0.01
+"""Relative deviations of a height that was guessed, of one in a venue's file, and of one by tape measure."""
+CENTER_SHARE = 0.02
 """Deviation of the principal point, as a share of the picture's longer side."""
 RADIAL, RADIAL_2, TANGENTIAL = 0.15, 0.1, 7e-4
+FIXED, ESTIMATED = 1e-9, 0.03
+"""Deviations of measures of the field that are known [m], and relative ones of those that are estimates."""
 POSITION_M, TURN_RAD = 0.1, 0.02
 """Scales of steps, no priors: lines say where the camera is and looks."""
 
@@ -38,7 +51,7 @@ def start_from_lens(lens: Lens, size_px: tuple[int, int], *, height_m: float | N
     height = lens.position_m[2] if height_m is None else height_m
     values = lens.values
     values[HEIGHT] = height
-    height_deviation = KNOWN_FOCAL if height_m is None else MEASURED_HEIGHT
+    height_deviation = VENUE_HEIGHT if height_m is None else MEASURED_HEIGHT
     return Start(lens, _prior(values, size_px, KNOWN_FOCAL * lens.focal_px, height_deviation * height))
 
 
@@ -89,14 +102,24 @@ def start_from_settings(camera: CameraSettings, *, height_m: float | None = None
         named = camera.homography.points
         pixels = np.array([point.pixel_px for point in named])
         places = np.array([point.field_m for point in named])
-        height = camera.homography.position_m[2] if height_m is None else height_m
-        return start_from_points(pixels, places, size, height_m=height)
+        start = start_from_points(pixels, places, size, height_m=height_m or camera.homography.position_m[2])
+        if height_m is None:
+            start.prior.deviations[HEIGHT] = VENUE_HEIGHT * camera.homography.position_m[2]
+        return start
     return start_from_lens(Lens.from_settings(camera.pinhole), size, height_m=height_m)
+
+
+def with_free_measures(start: Start, field: FieldSettings) -> Start:
+    """The same start where the field's measures, except its length, are estimates that are solved too."""
+    prior = start.prior
+    deviations = prior.deviations.copy()
+    deviations[STRETCH] = [max(ESTIMATED * getattr(field, name), FIXED) for name in MEASURES]
+    return Start(start.lens, Prior(prior.values, deviations, prior.counts))
 
 
 def _prior(values: Floats, size_px: tuple[int, int], focal_px: float, height_m: float) -> Prior:
     """The prior of a lens about which focal length and height are known so well."""
-    deviations, counts, means = np.empty(COUNT), np.ones(COUNT), values.copy()
+    deviations, counts, means = np.full(COUNT, FIXED), np.ones(COUNT), values.copy()
     deviations[FOCAL], deviations[CENTER] = focal_px, CENTER_SHARE * max(size_px)
     deviations[DISTORTION] = RADIAL, RADIAL_2, TANGENTIAL, TANGENTIAL
     deviations[POSITION], deviations[HEIGHT], deviations[TURN] = POSITION_M, height_m, TURN_RAD

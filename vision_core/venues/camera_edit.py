@@ -1,7 +1,7 @@
 """Writes a calibrated camera into a settings file, and leaves everything else in it as it is."""
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from vision_core.errors import SettingsError
@@ -11,22 +11,31 @@ from vision_core.venues.loader import settings_from_layers
 from vision_core.venues.toml_edit import replace_file, with_values
 
 
-def camera_tables(camera: PinholeSettings, size_px: tuple[int, int]) -> dict[str, dict[str, str]]:
-    """The tables [camera] and [camera.pinhole] of a venue's file: values as they are written in TOML, by key."""
+def camera_tables(
+    camera: PinholeSettings, size_px: tuple[int, int], measures_m: Mapping[str, float]
+) -> dict[str, dict[str, str]]:
+    """The tables of a venue's file: values as they are written in TOML, by key. measures_m: of the field, if known."""
     lens = {name: _number(getattr(camera, name)) for name in camera.__struct_fields__}
     whole = {"width_px": str(size_px[0]), "height_px": str(size_px[1]), "model": '"pinhole"'}
-    return {"camera": whole, "camera.pinhole": lens}
+    field = {"field": {name: _number(value) for name, value in measures_m.items()}} if measures_m else {}
+    return {"camera": whole, "camera.pinhole": lens, **field}
 
 
-def camera_lines(camera: PinholeSettings, size_px: tuple[int, int]) -> str:
+def camera_lines(camera: PinholeSettings, size_px: tuple[int, int], measures_m: Mapping[str, float]) -> str:
     """The same as lines that can be pasted."""
     parts = []
-    for table, values in camera_tables(camera, size_px).items():
+    for table, values in camera_tables(camera, size_px, measures_m).items():
         parts.append("\n".join([f"[{table}]", *(f"{key} = {value}" for key, value in values.items())]))
     return "\n\n".join(parts)
 
 
-def save_camera(layers: Sequence[Layer], target: Layer, camera: PinholeSettings, size_px: tuple[int, int]) -> None:
+def save_camera(
+    layers: Sequence[Layer],
+    target: Layer,
+    camera: PinholeSettings,
+    size_px: tuple[int, int],
+    measures_m: Mapping[str, float],
+) -> None:
     """Write a camera into one of the files that settings come from.
 
     layers: of ``layers_of``; target: the one to edit. The settings are checked first. The file is replaced in one step.
@@ -34,7 +43,7 @@ def save_camera(layers: Sequence[Layer], target: Layer, camera: PinholeSettings,
     or it cannot be written; then nothing is changed.
     """
     text = target.text
-    for table, values in camera_tables(camera, size_px).items():
+    for table, values in camera_tables(camera, size_px, measures_m).items():
         text = with_values(text, table, values)
     asked = f"--save to {target.name}"
     try:
@@ -44,7 +53,7 @@ def save_camera(layers: Sequence[Layer], target: Layer, camera: PinholeSettings,
     except tomllib.TOMLDecodeError:
         saved = None
     if saved != camera:
-        accepted = f"tables [camera] and [camera.pinhole]; write into it: {camera_lines(camera, size_px)}"
+        accepted = f"tables [camera] and [camera.pinhole]; write into it: {camera_lines(camera, size_px, measures_m)}"
         raise SettingsError(asked, found="camera in another form, or in a later file", accepted=accepted)
     replace_file(Path(target.name), text, asked)
 
