@@ -31,6 +31,7 @@ from app.web.middleware.security_headers import SecurityHeaders
 from app.web.middleware.under_way import RequestsUnderWay
 from app.web.problems import install_problems
 from app.web.routes.api import api_routes
+from app.web.routes.calibration import calibration_routes
 from app.web.routes.clients import client_routes
 from app.web.routes.health import health_routes
 from app.web.routes.login import login_routes
@@ -112,6 +113,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(api_routes(blackboard, monitor, configuration))
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
     app.include_router(settings_routes(configuration, service))
+    app.include_router(calibration_routes(blackboard, configuration))
     app.include_router(restart_routes(store, blackboard))
     app.include_router(team_routes(configuration, people.team_keys))
     app.include_router(match_routes(configuration))

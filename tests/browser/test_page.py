@@ -25,6 +25,7 @@ PAGES = {
     "/robot/blue/1?beside=yellow-2": "Robot's view",
     "/robot": "A team's robots",
     "/camera": "Camera",
+    "/calibrate": "Calibrate the camera",
     "/settings": "Settings",
     "/timing": "Timing",
     "/logs": "Logs",

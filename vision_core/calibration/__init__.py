@@ -20,6 +20,6 @@ A field looks the same from both ends, and so it does in a mirror: lines do not 
 Nothing here guesses.
 
 Files, outside in: ``solve``, ``result``, ``judge``, ``start``, ``find``, ``straight``, ``align``, ``ridges``,
-``profiles``, ``painted``, ``solver``, ``lens``, ``draw``.
+``profiles``, ``painted``, ``solver``, ``lens``, ``draw``; ``job`` for a process of its own.
 No file or device is opened here; a web page may call the same functions.
 """

@@ -8,7 +8,15 @@ OPEN_CHANGES = frozenset({"/api/v1/login", "/api/v1/logout"})
 GUARDED = ("/api/", "/live", "/view3d", "/metrics", "/openapi.json", "/docs")
 """What viewers see. The page itself and its scripts hold no data; they are needed to log in."""
 OPERATORS_READ = frozenset(
-    {"/api/v1/tokens", "/api/v1/audit", "/api/v1/log", "/api/v1/support-bundle", "/api/v1/sources"}
+    {
+        "/api/v1/tokens",
+        "/api/v1/audit",
+        "/api/v1/log",
+        "/api/v1/support-bundle",
+        "/api/v1/sources",
+        "/api/v1/calibration",
+        "/api/v1/calibration/picture.png",
+    }
 )
 TEAMS_READ = frozenset({"/api/v1/me", "/api/v1/field", "/api/v1/match", "/live"})
 """What a team needs for its own page, where viewers are kept out."""

@@ -22,6 +22,7 @@ ADDRESSES = (
     "/robot",
     "/robot/{team}/{number}",
     "/camera",
+    "/calibrate",
     "/3d",
     "/settings",
     "/timing",

@@ -64,6 +64,94 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calibration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Calibration
+         * @description The picture, how far the newest calibration is, and its result.
+         */
+        get: operations["calibration_api_v1_calibration_get"];
+        put?: never;
+        /**
+         * Start
+         * @description Begins; GET says how far it is. The service goes on meanwhile, and nothing changes.
+         */
+        post: operations["start_api_v1_calibration_post"];
+        /**
+         * Cancel
+         * @description Ends the calibration that runs; nothing is kept of it.
+         */
+        delete: operations["cancel_api_v1_calibration_delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/accept": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Accept
+         * @description Makes the calibrated camera the setting, as one change that can be undone. It waits for a restart.
+         */
+        post: operations["accept_api_v1_calibration_accept_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/picture": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take Picture
+         * @description Takes the newest picture to calibrate by.
+         */
+        post: operations["take_picture_api_v1_calibration_picture_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/picture.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Picture
+         * @description The picture that is calibrated by.
+         */
+        get: operations["picture_api_v1_calibration_picture_png_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/clients": {
         parameters: {
             query?: never;
@@ -983,6 +1071,116 @@ export interface components {
             off_px: number | null;
         };
         /**
+         * CalibrationReport
+         * @description The picture that is calibrated by, and the newest job.
+         */
+        CalibrationReport: {
+            /** Error */
+            error: string;
+            /** Height Px */
+            height_px: number;
+            /**
+             * Picture
+             * @description Number of its frame; null: none was taken.
+             */
+            picture: number | null;
+            result: components["schemas"]["CalibrationResult"] | null;
+            /**
+             * Share
+             * @description 0..1 of the work is done.
+             */
+            share: number;
+            /** @description none, running, done (with a result, accepted or refused), failed (see error) or cancelled. */
+            state: components["schemas"]["JobState"];
+            /**
+             * What
+             * @description What is being done.
+             */
+            what: string;
+            /** Width Px */
+            width_px: number;
+        };
+        /**
+         * CalibrationRequest
+         * @description What a calibration begins with.
+         */
+        CalibrationRequest: {
+            /**
+             * Corners Px
+             * @description Outer corners of the field's lines: left top, right top, right bottom, left bottom. They need not be exact.
+             */
+            corners_px?: [
+                number,
+                number
+            ][] | null;
+            /**
+             * Find
+             * @description Without corners: search the field in the picture. Otherwise the camera in use is the first guess.
+             * @default false
+             */
+            find: boolean;
+            /**
+             * Height M
+             * @description Height of the camera by tape measure.
+             */
+            height_m?: number | null;
+            /**
+             * Swap Ends
+             * @description The field's left end is the other one: lines do not tell.
+             * @default false
+             */
+            swap_ends: boolean;
+        };
+        /**
+         * CalibrationResult
+         * @description A camera that was calibrated, or an attempt.
+         */
+        CalibrationResult: {
+            /**
+             * Accepted
+             * @description It may be taken.
+             */
+            accepted: boolean;
+            /**
+             * Coverage
+             * @description Share of the field inside the hull of the sections that count, 0..1.
+             */
+            coverage: number;
+            /**
+             * Floor Error Mm
+             * @description Two standard deviations of a place on the floor, where it is largest.
+             */
+            floor_error_mm: number | null;
+            /** Focal Px */
+            focal_px: number | null;
+            /**
+             * Height M
+             * @description Of the camera.
+             */
+            height_m: number | null;
+            /** Lines */
+            lines: components["schemas"]["LineReport"][];
+            /**
+             * Marker Error Mm
+             * @description The same at the height of the robots' markers.
+             */
+            marker_error_mm: number | null;
+            /** Notes */
+            notes: string[];
+            /**
+             * Reasons
+             * @description Why it is refused; empty when it is accepted.
+             */
+            reasons: components["schemas"]["ReasonReport"][];
+            /** Rms Px */
+            rms_px: number | null;
+            /**
+             * Samples
+             * @description Sections of lines that count; where too few do, what could not be measured is null.
+             */
+            samples: number;
+        };
+        /**
          * CameraReport
          * @description One camera, what is seen in its newest image, and what its checks found.
          */
@@ -1482,6 +1680,12 @@ export interface components {
             unit: "ms";
         };
         /**
+         * JobState
+         * @description What became of the newest job.
+         * @enum {string}
+         */
+        JobState: "none" | "running" | "done" | "failed" | "cancelled";
+        /**
          * LagSummary
          * @description One part of the lag over the last frames.
          */
@@ -1534,6 +1738,47 @@ export interface components {
              * @description From the shutter to the grab, as configured [ms]; it comes before A.
              */
             shutter_delay_ms: number;
+        };
+        /**
+         * LineReport
+         * @description One painted line of the field.
+         */
+        LineReport: {
+            /**
+             * Found
+             * @description Share of its visible part that shows paint at its place, 0..1.
+             */
+            found: number;
+            /**
+             * Held Out Px
+             * @description The same when the camera is fitted to all other lines; null where they do not suffice.
+             */
+            held_out_px: number | null;
+            /** Name */
+            name: string;
+            /**
+             * Points Px
+             * @description Where the camera puts it: a path.
+             */
+            points_px: [
+                number,
+                number
+            ][];
+            /**
+             * Residuals
+             * @description x, y and the step x, y to where the paint is [px].
+             */
+            residuals: [
+                number,
+                number,
+                number,
+                number
+            ][];
+            /**
+             * Rms Px
+             * @description Of the paint's distances from its place; null where none was found.
+             */
+            rms_px: number | null;
         };
         /**
          * LinesReport
@@ -1990,6 +2235,16 @@ export interface components {
             reasons: string[];
             /** @description ready; degraded: robots are served, but worse than they should be; not_ready: no robot is served. */
             state: components["schemas"]["HealthState"];
+        };
+        /**
+         * ReasonReport
+         * @description Why a calibration is refused.
+         */
+        ReasonReport: {
+            /** Advice */
+            advice: string;
+            /** Text */
+            text: string;
         };
         /**
          * RefusalReport
@@ -2806,6 +3061,353 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["AuditReport"][];
                 };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    calibration_api_v1_calibration_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+        };
+    };
+    start_api_v1_calibration_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CalibrationRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    cancel_api_v1_calibration_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    accept_api_v1_calibration_accept_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    take_picture_api_v1_calibration_picture_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    picture_api_v1_calibration_picture_png_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Nobody is logged in */
             401: {

@@ -24,6 +24,8 @@ export type Settings = Schemas["SettingsReport"];
 export type Sources = Schemas["SourcesReport"];
 export type Change = Schemas["ChangeReport"];
 export type Exported = Schemas["Export"];
+export type Calibration = Schemas["CalibrationReport"];
+export type CalibrationResult = Schemas["CalibrationResult"];
 export type Me = Schemas["Me"];
 /** Why a request failed (RFC 9457). */
 type Details = Schemas["ProblemDetails"];

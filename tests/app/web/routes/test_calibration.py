@@ -1,0 +1,103 @@
+"""The camera is calibrated over the API: by a picture, in a process of its own, taken over as a change with undo."""
+
+from collections.abc import Iterator
+
+import httpx
+import numpy as np
+import pytest
+
+from app.web.blackboard import Blackboard, Picture
+from bench.calibration_views import View, floor_error_m, view
+from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from vision_core.calibration.find import corners_m
+from vision_core.clock import Instant
+from vision_core.geometry import Bytes
+from vision_core.settings.schema import PinholeSettings
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def shown() -> View:
+    return view(0)
+
+
+@pytest.fixture
+def http() -> Iterator[httpx.Client]:
+    service = FakeService(Scene())
+    service.start()
+    with (
+        served_page(service) as address,
+        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=20.0) as client,
+    ):
+        yield client
+    service.stop()
+
+
+def take(http: httpx.Client, monkeypatch: pytest.MonkeyPatch, pixels: Bytes) -> None:
+    """Take a picture that the camera has just made."""
+    monkeypatch.setattr(Blackboard, "picture", lambda _self: Picture(7, Instant(1), pixels))
+    taken = http.post("/calibration/picture")
+    assert taken.status_code == 200
+    assert taken.json()["picture"] == 7
+    assert http.get("/calibration/picture.png").content.startswith(b"\x89PNG")
+
+
+def wait_for_end(http: httpx.Client) -> dict[str, object]:
+    wait_for(lambda: http.get("/calibration").json()["state"] != "running", 90.0)
+    return dict(http.get("/calibration").json())
+
+
+def test_corners_that_were_dragged_give_a_camera_that_is_taken_over(
+    http: httpx.Client, shown: View, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = http.post("/calibration", json={"find": True})
+    assert (refused.status_code, refused.json()["accepted"]) == (409, "take a picture first")
+    take(http, monkeypatch, shown.pixels)
+    corners = shown.truth.pixel_from_field(corners_m(shown.settings.field)) + 6.0
+    height = float(shown.truth.position_m[2])
+    assert http.post("/calibration", json={"corners_px": corners.tolist(), "height_m": height}).status_code == 202
+    assert http.post("/calibration", json={"find": True}).status_code == 409, "one at a time"
+    result = wait_for_end(http)["result"]
+    assert isinstance(result, dict)
+    assert result["accepted"], result["reasons"]
+    assert result["rms_px"] < 0.5
+    assert {len(line["points_px"]) > 1 for line in result["lines"]} == {True}
+
+    change = http.post("/calibration/accept").json()
+    assert "camera.pinhole.focal_px" in change["needs_restart"]
+    values = {entry["key"].removeprefix("settings/camera.pinhole."): entry["after"] for entry in change["entries"]}
+    lens = {key: values[key] for key in ("focal_px", "center_px", "distortion", "position_m", "rotation_deg")}
+    assert floor_error_m(PinholeSettings(**lens), shown.truth, shown.settings.field) < 0.003
+    assert http.post("/settings/undo", json={"revision": change["revision"]}).status_code == 200
+    assert http.get("/settings").json()["waits_for_restart"] == []
+
+
+def test_a_picture_without_a_field_is_refused_with_reasons(http: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    take(http, monkeypatch, np.full((480, 640, 3), 90, dtype=np.uint8))
+    assert http.post("/calibration", json={"find": True}).status_code == 202
+    result = wait_for_end(http)["result"]
+    assert isinstance(result, dict)
+    assert not result["accepted"]
+    assert result["reasons"][0]["advice"]
+    refused = http.post("/calibration/accept")
+    assert refused.status_code == 409
+    assert result["reasons"][0]["text"] in refused.json()["found"]
+
+
+def test_corners_that_no_camera_sees_are_named(
+    http: httpx.Client, monkeypatch: pytest.MonkeyPatch, shown: View
+) -> None:
+    take(http, monkeypatch, shown.pixels)
+    assert http.post("/calibration", json={"corners_px": [[9, 9], [9, 9], [9, 9], [9, 9]]}).status_code == 202
+    ended = wait_for_end(http)
+    assert ended["state"] == "failed"
+    assert ended["error"]
+
+
+def test_a_calibration_is_cancelled(http: httpx.Client, monkeypatch: pytest.MonkeyPatch, shown: View) -> None:
+    take(http, monkeypatch, shown.pixels)
+    assert http.post("/calibration", json={"find": True}).status_code == 202
+    assert http.delete("/calibration").json()["state"] == "cancelled"
+    wait_for(lambda: http.post("/calibration/picture").status_code == 200, 20.0)
+    assert http.get("/calibration").json()["result"] is None

@@ -1,0 +1,70 @@
+"""Short process beside a running service: calibrates the camera by one picture.
+
+Standard input has a ``CalibrationJob`` as a line of JSON, then the picture's pixels, blue green red. Standard output
+gets a ``CalibrationStep`` per line; the last has the result or an error.
+"""
+
+import os
+import sys
+from dataclasses import replace
+from typing import IO
+
+import msgspec
+import numpy as np
+
+from vision_core.calibration.find import corners_m
+from vision_core.calibration.job import CalibrationJob, CalibrationStep
+from vision_core.calibration.lens import Lens
+from vision_core.calibration.result import Calibration
+from vision_core.calibration.solve import calibrate
+from vision_core.calibration.start import Start, start_from_points, start_from_settings
+from vision_core.errors import PslvError
+from vision_core.geometry import Bytes
+from vision_core.scheduling.attachment import end_with
+
+
+def main() -> None:
+    """Do one job."""
+    end_with(os.getppid())
+    job = msgspec.json.decode(sys.stdin.buffer.readline(), type=CalibrationJob)
+    pixels = _picture(sys.stdin.buffer, job.size_px)
+    try:
+        _tell(CalibrationStep("done", 1.0, run(job, pixels)))
+    except PslvError as error:
+        _tell(CalibrationStep("refused", 1.0, error=str(error)))
+
+
+def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
+    """The result of a job. Raises PslvError for corners that no camera sees so."""
+    result = calibrate(
+        [pixels],
+        job.settings.field,
+        _start(job),
+        height_m=job.height_m,
+        marker_height_m=job.settings.robots.height_m,
+        progress=lambda what, share: _tell(CalibrationStep(what, share)),
+    )
+    if not job.swaps_ends:
+        return result
+    return replace(result, camera=Lens.from_settings(result.camera).from_other_end().settings())
+
+
+def _start(job: CalibrationJob) -> Start | None:
+    if job.corners_px is not None:
+        places = corners_m(job.settings.field)
+        return start_from_points(np.array(job.corners_px), places, job.size_px, height_m=job.height_m)
+    return None if job.finds else start_from_settings(job.settings.camera, height_m=job.height_m)
+
+
+def _picture(source: IO[bytes], size_px: tuple[int, int]) -> Bytes:
+    width, height = size_px
+    return np.frombuffer(source.read(width * height * 3), dtype=np.uint8).reshape(height, width, 3)
+
+
+def _tell(step: CalibrationStep) -> None:
+    sys.stdout.buffer.write(step.encode())
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
