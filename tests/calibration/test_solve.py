@@ -107,6 +107,10 @@ def test_what_is_refused(views: list[View]) -> None:
     assert "too dark" in reasons((pixels * 0.1).astype(np.uint8))
     assert "overexposed" in reasons(np.full_like(pixels, 255))
     assert "lines were found" in reasons(np.full_like(pixels, 90))
+    side = 9
+    sums = np.cumsum(np.cumsum(pixels.astype(np.float64), axis=0), axis=1)
+    means = (sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]) / side**2
+    assert "blurred" in reasons(means.astype(np.uint8))
     assert reasons(pixels, "vsss")
     assert reasons(pixels, "ssl-division-b")
 

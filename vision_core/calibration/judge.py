@@ -52,6 +52,8 @@ class Scene:
     size_px: tuple[int, int]
     prior: Prior
     marker_height_m: float
+    edge_px: float
+    """Length of the picture's sharpest edges."""
 
     @property
     def frees_measures(self) -> bool:
@@ -163,6 +165,11 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
     found = [line for line in visible if line.found >= LINE_FOUND]
     if measured is None or result.samples < MIN_SAMPLES or len(found) < MIN_LINES:
         text = f"only {len(found)} of {len(result.lines)} painted lines were found, {MIN_LINES} are needed"
+        blurred = scene.edge_px > max(MAX_RISE_PX, MAX_RISE * max(scene.size_px))
+        if blurred:
+            yield Reason(
+                f"the picture is blurred: its sharpest edges are {scene.edge_px:.0f} px long", "Focus the lens."
+            )
         yield Reason(text, preset)
         return
     if measured.rise_px > max(MAX_RISE_PX, MAX_RISE * max(scene.size_px)):

@@ -11,7 +11,7 @@ from vision_core.calibration.find import corners_m, find_field
 from vision_core.calibration.judge import Measured, Scene, judged, picture_reasons
 from vision_core.calibration.lens import Lens
 from vision_core.calibration.painted import Painted, sections_for
-from vision_core.calibration.profiles import FloatImage, luma_of
+from vision_core.calibration.profiles import FloatImage, luma_of, sharpest_edge_px
 from vision_core.calibration.result import Calibration, Progress
 from vision_core.calibration.ridges import find_ridges
 from vision_core.calibration.solver import Fit, fit
@@ -109,10 +109,11 @@ def _calibrate(
     """``calibrate`` with the field's measures as they are, or as estimates."""
     size = pictures[0].shape[1], pictures[0].shape[0]
     progress("looking at the pictures", 0.0)
-    first = start or start_without_lines(field, size, height_m=height_m)
-    if reasons := picture_reasons(pictures, field):
-        return judged(Scene(field, size, first.prior, marker_height_m), first.lens, None, reasons)
     lumas = [luma_of(picture) for picture in pictures]
+    first = start or start_without_lines(field, size, height_m=height_m)
+    scene = Scene(field, size, first.prior, marker_height_m, sharpest_edge_px(lumas[0]))
+    if reasons := picture_reasons(pictures, field):
+        return judged(scene, first.lens, None, reasons)
     progress("searching the field", 0.1)
     starts = _near(start, pictures[0], field) if start else _found(pictures[0], field, size, height_m)
     if frees_measures:
@@ -123,9 +124,9 @@ def _calibrate(
         tries += _tries(guess, field, lumas)
     tries.sort(key=lambda one: -one.sections)
     if not tries:
-        return judged(Scene(field, size, first.prior, marker_height_m), first.lens, None, ())
+        return judged(scene, first.lens, None, ())
     progress("fitting the camera", 0.7)
-    scene = Scene(field, size, tries[0].start.prior, marker_height_m)
+    scene = replace(scene, prior=tries[0].start.prior)
     measured = _refined(scene, tries[0].lens, lumas)
     progress("checking the result", 0.8)
     result = judged(scene, measured.lens, measured, ())
