@@ -64,11 +64,15 @@ def test_from_corners_that_were_dragged(views: list[View]) -> None:
     assert result.camera.position_m[2] == pytest.approx(shown.truth.position_m[2], rel=0.02)
 
 
-def test_several_pictures_count_together(views: list[View]) -> None:
+def test_what_covers_a_line_in_one_picture_is_seen_in_another(views: list[View]) -> None:
     shown = views[2]
-    one, two = from_start(shown), from_start(shown, shown.pixels, shown.pixels)
-    assert two.samples > 1.9 * one.samples
-    assert two.floor_error_m < one.floor_error_m
+    left, right = shown.pixels.copy(), shown.pixels.copy()
+    left[:, :480], right[:, 300:] = 90, 90
+    assert not from_start(shown, left).accepted
+    both = from_start(shown, left, right)
+    assert both.accepted, both.reasons
+    assert both.samples > 150
+    assert floor_error_m(both.camera, shown.truth, shown.settings.field) < MAX_ERROR_M
 
 
 def test_every_line_is_told(views: list[View]) -> None:
@@ -107,8 +111,19 @@ def test_what_is_refused(views: list[View]) -> None:
     assert "too dark" in reasons((pixels * 0.1).astype(np.uint8))
     assert "overexposed" in reasons(np.full_like(pixels, 255))
     assert "lines were found" in reasons(np.full_like(pixels, 90))
+    side = 9
+    sums = np.cumsum(np.cumsum(pixels.astype(np.float64), axis=0), axis=1)
+    means = (sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]) / side**2
+    assert "blurred" in reasons(means.astype(np.uint8))
     assert reasons(pixels, "vsss")
     assert reasons(pixels, "ssl-division-b")
+
+
+def test_a_field_without_painted_lines_is_refused(views: list[View]) -> None:
+    bare = replace(views[0].settings.field, line_width_m=0.0)
+    result = calibrate([views[0].pixels], bare, None)
+    assert "no painted lines" in str(result.reasons[0])
+    assert "only 30x20 px" in str(from_start(views[0], views[0].pixels[:20, :30]).reasons[0])
 
 
 def test_pictures_of_several_sizes_are_refused(views: list[View]) -> None:

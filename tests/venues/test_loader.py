@@ -206,7 +206,10 @@ WRONG = [
         "ball.color; found: 'orange'; accepted: a color class: there is none yet; to make it: pslv colors",
     ),
     ("[match]\nnumbers = 17", "match.numbers; found: 17; accepted: a whole number <= 16"),
-    ("field_preset = 'moon'", "field 'moon'; found: no such file; accepted: ssl-2002, ssl-division-b"),
+    (
+        "field_preset = 'moon'",
+        "field 'moon'; found: no such file; accepted: mirosot-middle, ssl-2002, ssl-division-a, ssl-division-b",
+    ),
     ("camera = 3", "camera; found: 3; accepted: a table"),
     ("[camera]\nmodel = 'homografy'", "camera.model; found: 'homografy'; accepted: homography, pinhole"),
     ("[protocol.letters]\nfirst_blue = '~'", "protocol.letters.first_blue"),

@@ -73,13 +73,16 @@ class Seen:
 def look(painted: Painted, lens: Lens, lumas: Sequence[FloatImage], reach_px: float, *, singles: bool = True) -> Seen:
     """Search the paint of sections up to reach_px beside where the lens puts them, in every picture.
 
+    Of a section that several pictures show, the median counts: what is wrong with the paint is wrong in all of them.
+
     singles: sections count of which only one edge has carpet beside it, and along walls mere steps.
     """
     placed_px = placed(painted, lens)
     seen = [find_edges(luma, placed_px, reach_px, steps=singles) for luma in lumas]
-    shown = [edges.found & ((edges.single == 0) | singles) for edges in seen]
-    sections = np.concatenate([np.flatnonzero(mask) for mask in shown])
-    offsets = np.concatenate([edges.offset_px[mask] for edges, mask in zip(seen, shown, strict=True)])
+    shown = np.stack([edges.found & ((edges.single == 0) | singles) for edges in seen])
+    sections = np.flatnonzero(shown.any(axis=0))
+    several = np.where(shown, np.stack([edges.offset_px for edges in seen]), np.nan)[:, sections]
+    offsets = np.nanmedian(several, axis=0)
     normals = placed_px.normals[sections]
     middles, moves = painted.middles_m[sections], painted.moves[sections]
     measured = lens.project(middles + moves @ lens.stretch) + normals * offsets[:, None]

@@ -19,6 +19,7 @@ from vision_core.types.reasons import Reason
 
 DARK, BRIGHT = 40.0, 250.0
 """A picture whose brightest hundredth is darker, or of which half is brighter, shows no lines [grey levels]."""
+MIN_SIDE_PX = 64
 MIN_SAMPLES, MIN_LINES = 40, 4
 MIN_COVERAGE = 0.5
 MIN_ACROSS = 0.1
@@ -52,6 +53,8 @@ class Scene:
     size_px: tuple[int, int]
     prior: Prior
     marker_height_m: float
+    edge_px: float
+    """Length of the picture's sharpest edges."""
 
     @property
     def frees_measures(self) -> bool:
@@ -81,7 +84,6 @@ class Measured:
     sections: NDArray[np.intp]
     """Index of each sight's section in painted, shape (n,)."""
     rise_px: float
-    pictures: int
     beside_px: Floats
     """How far beside its place each line is seen that shows no paint there; nan for the others; shape (lines,)."""
     trust: float
@@ -108,6 +110,9 @@ def picture_reasons(pictures: Sequence[Bytes], field: FieldSettings) -> tuple[Re
     if len(sizes) > 1:
         found = ", ".join(f"{width}x{height}" for width, height in sorted(sizes))
         return (Reason(f"the pictures have several sizes: {found}", "Use pictures of one camera and size."),)
+    if min(min(size) for size in sizes) < MIN_SIDE_PX:
+        text = f"the picture is only {min(sizes)[0]}x{min(sizes)[1]} px"
+        return (Reason(text, f"Use pictures of {MIN_SIDE_PX} px or more a side."),)
     lumas = [picture[::4, ::4] @ LUMA_BGR for picture in pictures]
     if (bright := max(float(np.percentile(luma, 99)) for luma in lumas)) < DARK:
         return (Reason(f"the picture is too dark: 99 % of it is below level {bright:.0f}", "Turn on the lamps."),)
@@ -163,6 +168,11 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
     found = [line for line in visible if line.found >= LINE_FOUND]
     if measured is None or result.samples < MIN_SAMPLES or len(found) < MIN_LINES:
         text = f"only {len(found)} of {len(result.lines)} painted lines were found, {MIN_LINES} are needed"
+        blurred = scene.edge_px > max(MAX_RISE_PX, MAX_RISE * max(scene.size_px))
+        if blurred:
+            yield Reason(
+                f"the picture is blurred: its sharpest edges are {scene.edge_px:.0f} px long", "Focus the lens."
+            )
         yield Reason(text, preset)
         return
     if measured.rise_px > max(MAX_RISE_PX, MAX_RISE * max(scene.size_px)):
@@ -229,7 +239,7 @@ def _lines(scene: Scene, lens: Lens, measured: Measured | None) -> tuple[LineRes
             continue
         sights = measured.sights.chosen(mine)
         distances = sights.distances(lens)
-        shown = len(sights) / max(float(visible[own].sum()) * measured.pictures, 1.0)
+        shown = len(sights) / max(float(visible[own].sum()), 1.0)
         held_out = _held_out_px(scene, measured, ~mine)
         vectors = np.column_stack([sights.pixels, -sights.normals * distances[:, None]])
         places = np.column_stack([lens.project(sights.places_m(lens)), vectors[:, 2:]]).round(2).tolist()

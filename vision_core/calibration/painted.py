@@ -135,7 +135,7 @@ def placed(painted: Painted, lens: Lens) -> Placed:
     """Where a lens sees sections; nan where it does not."""
     count = len(painted)
     shift = painted.moves @ lens.stretch
-    points = lens.project((painted.points_m + shift[:, None]).reshape(-1, 2)).reshape(count, -1, 2)
+    points = lens.project((painted.points_m + shift[:, None]).reshape(-1, 2)).reshape(count, POINTS_PER_SECTION, 2)
     half = painted.across * painted.width_m / 2.0
     middles = painted.middles_m + shift
     along = np.column_stack([-painted.across[:, 1], painted.across[:, 0]]) * STEP_M

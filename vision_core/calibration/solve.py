@@ -11,7 +11,7 @@ from vision_core.calibration.find import corners_m, find_field
 from vision_core.calibration.judge import Measured, Scene, judged, picture_reasons
 from vision_core.calibration.lens import Lens
 from vision_core.calibration.painted import Painted, sections_for
-from vision_core.calibration.profiles import FloatImage, luma_of
+from vision_core.calibration.profiles import FloatImage, luma_of, sharpest_edge_px
 from vision_core.calibration.result import Calibration, Progress
 from vision_core.calibration.ridges import find_ridges
 from vision_core.calibration.solver import Fit, fit
@@ -110,9 +110,11 @@ def _calibrate(
     size = pictures[0].shape[1], pictures[0].shape[0]
     progress("looking at the pictures", 0.0)
     first = start or start_without_lines(field, size, height_m=height_m)
+    scene = Scene(field, size, first.prior, marker_height_m, edge_px=0.0)
     if reasons := picture_reasons(pictures, field):
-        return judged(Scene(field, size, first.prior, marker_height_m), first.lens, None, reasons)
+        return judged(scene, first.lens, None, reasons)
     lumas = [luma_of(picture) for picture in pictures]
+    scene = replace(scene, edge_px=sharpest_edge_px(lumas[0]))
     progress("searching the field", 0.1)
     starts = _near(start, pictures[0], field) if start else _found(pictures[0], field, size, height_m)
     if frees_measures:
@@ -123,9 +125,9 @@ def _calibrate(
         tries += _tries(guess, field, lumas)
     tries.sort(key=lambda one: -one.sections)
     if not tries:
-        return judged(Scene(field, size, first.prior, marker_height_m), first.lens, None, ())
+        return judged(scene, first.lens, None, ())
     progress("fitting the camera", 0.7)
-    scene = Scene(field, size, tries[0].start.prior, marker_height_m)
+    scene = replace(scene, prior=tries[0].start.prior)
     measured = _refined(scene, tries[0].lens, lumas)
     progress("checking the result", 0.8)
     result = judged(scene, measured.lens, measured, ())
@@ -194,24 +196,24 @@ def _refined(scene: Scene, lens: Lens, lumas: Sequence[FloatImage]) -> Measured:
     for reach_px in (*(FREE_PX if scene.frees_measures else ()), *FINE_PX):
         painted = sections_for(scene.field, lens)
         seen = look(painted, lens, lumas, reach_px * scale)
-        sights = seen.sights.chosen(_is_shown(painted, seen.sections, len(lumas)))
+        sights = seen.sights.chosen(_is_shown(painted, seen.sections))
         found: Fit = fit(lens, sights, scene.prior, trust=trust)
         lens = found.lens
         trust = _trust(seen.sights.distances(lens), painted.line[seen.sections])
     near = np.abs(seen.sights.distances(lens)) <= MAX_SIGMAS * found.noise_px
-    near &= _is_shown(painted, seen.sections, len(lumas))
+    near &= _is_shown(painted, seen.sections)
     sights, sections = seen.sights.chosen(near), seen.sections[near]
     found = fit(lens, sights, scene.prior, trust=trust)
     return Measured(
-        painted, sights, sections, seen.rise_px, len(lumas), _beside(painted, found.lens, lumas, sections), trust, found
+        painted, sights, sections, seen.rise_px, _beside(painted, found.lens, lumas, sections), trust, found
     )
 
 
-def _is_shown(painted: Painted, sections: NDArray[np.intp], pictures: int) -> Mask:
+def _is_shown(painted: Painted, sections: NDArray[np.intp]) -> Mask:
     """Which sections belong to lines that show more than a spot of paint at their places."""
     count = len(painted.names)
     shown = np.bincount(painted.line[sections], minlength=count)
-    enough = shown >= SPOT * pictures * np.bincount(painted.line, minlength=count)
+    enough = shown >= SPOT * np.bincount(painted.line, minlength=count)
     is_shown: Mask = enough[painted.line[sections]]
     return is_shown
 
@@ -226,7 +228,7 @@ def _beside(painted: Painted, lens: Lens, lumas: Sequence[FloatImage], shown: ND
     distances, line = seen.sights.distances(lens), painted.line[seen.sections]
     beside = np.full(len(painted.names), np.nan)
     for number in range(len(painted.names)):
-        own, count = distances[line == number], (painted.line == number).sum() * len(lumas)
+        own, count = distances[line == number], (painted.line == number).sum()
         if len(own) < LINE_SHARE * count or (painted.line[shown] == number).sum() > LINE_SHARE * count:
             continue
         middle = float(np.median(own))

@@ -120,7 +120,7 @@ class Relighter:
         self._light = NEUTRAL_LIGHT
 
     def relit(self, pixels: Bytes, light: Light) -> Bytes:
-        """(pixel - black) * gain, clamped to 0..255; the picture itself when the light is neutral.
+        """(pixel - black) * gain, clamped to 0..253; saturated channels stay. A neutral light: the picture itself.
 
         pixels: shape (height, width, 3). The next call overwrites the result.
         """
@@ -208,13 +208,14 @@ def relight(pixels: Bytes, gains: np.ndarray, offsets: np.ndarray, out: Bytes) -
     """out = pixels * gains + offsets, clamped, in fixed point.
 
     pixels, out: shape (height, 3 * width); gains, offsets: repeated per pixel, shape (3 * width,). A saturated channel
-    stays as it is: its true level is not known, and yellow must not turn green. 32-bit arithmetic without branches,
-    because the compiler makes vector instructions of it, unlike of a table with 256 entries.
+    stays as it is: its true level is not known, and yellow must not turn green. No other channel becomes saturated, so
+    that later stages can tell. 32-bit arithmetic without branches, because the compiler makes vector instructions of
+    it, unlike of a table with 256 entries.
     """
     for y in range(len(pixels)):
         row, lit = pixels[y], out[y]
         for i in range(len(row)):
             level = np.int32(row[i])
             value = np.int32(np.int32(np.int32(level * gains[i]) + offsets[i]) >> np.int32(FIXED_BITS))
-            value = min(max(value, np.int32(0)), np.int32(255))
+            value = min(max(value, np.int32(0)), np.int32(SATURATED - 1))
             lit[i] = np.uint8(level if level >= np.int32(SATURATED) else value)

@@ -2,7 +2,8 @@
 
 ``finder`` (one compiled call) over ``hypothesis_generation`` (ways to see a robot at each blob of its team's color),
 ``pose_fit`` (the blobs and the pose of one of them), ``conflict_resolution`` (the best that do not overlap) and
-``pose_refinement`` (sub-pixel); ``markers`` (a pattern as the finder needs it), ``shapes`` (a patch's outline),
-``buffers`` (memory allocated once). For people: ``reasons`` (why a robot is not found or has no id) and ``verdicts``
+``pose_refinement`` (sub-pixel), then ``marker_reading`` (ids that the blobs do not tell) with the ``references`` of
+paints; ``markers`` (a pattern as the finder needs it), ``shapes`` (a patch's outline), ``buffers`` (memory allocated
+once). For people: ``reasons`` (why a robot is not found or has no id) and ``verdicts``
 (what becomes of each blob) over ``scene`` (what can be asked of a frame).
 """

@@ -90,10 +90,16 @@ class FinderBuffers(NamedTuple):
     """Hypotheses that are robots, shape (64,)."""
     ambiguous: Mask
     """Whether their headings are, shape (64,)."""
+    unsure: Mask
+    """Whether a robot's blobs do not tell its id for sure, shape (64,)."""
     centers: Floats
     """x, y [m] and weight [1/m^2] of a robot's patches, the anchor first; weight 0: not seen. Shape (9, 3)."""
     circle: Floats
     """Of ``circle_buffer``."""
+    patches: Floats
+    """Measured patches of each robot, see ``marker_reading``; shape (64, 9, 4)."""
+    learned: Floats
+    """What the robots of this frame show of each color class, see ``marker_reading``; shape (256, 6)."""
     found: Table
     """Robots before they are ordered, shape (64,)."""
 
@@ -113,7 +119,10 @@ def finder_buffers(max_blobs: int) -> FinderBuffers:
         used=np.zeros(max_blobs, dtype=np.bool_),
         selected=np.zeros(MAX_ROBOTS, dtype=np.int32),
         ambiguous=np.zeros(MAX_ROBOTS, dtype=np.bool_),
+        unsure=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         centers=np.zeros((1 + MAX_SLOTS, 3)),
         circle=circle_buffer(),
+        patches=np.zeros((MAX_ROBOTS, 1 + MAX_SLOTS, 4)),
+        learned=np.zeros((256, 6)),
         found=np.zeros(MAX_ROBOTS, dtype=ROBOT),
     )

@@ -1,5 +1,6 @@
 """Robots by their markers: one compiled call from a frame's blobs to its robots."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,13 @@ from vision_core.objects.observation import Observation
 from vision_core.objects.robots.buffers import FinderBuffers, Gates, finder_buffers
 from vision_core.objects.robots.conflict_resolution import select_non_overlapping
 from vision_core.objects.robots.hypothesis_generation import generate_hypotheses, locate_blobs
+from vision_core.objects.robots.marker_reading import (
+    is_doubtful,
+    is_overexposed,
+    learn_references,
+    measure_patches,
+    read_marker,
+)
 from vision_core.objects.robots.markers import Marker, marker_of
 from vision_core.objects.robots.pose_refinement import refine_pose
 from vision_core.patterns.loader import load_pattern
@@ -71,8 +79,62 @@ def find_robots(seen: Observation, finder: RobotFinder, robots: Table) -> int:
             seen, markers[hypothesis.team], gates, buffers, hypothesis, buffers.ambiguous[number],
             buffers.found[number],
         )  # fmt: skip
+    _read_markers(seen, markers, buffers, selected)
     _order(buffers.found, selected, robots)
     return selected
+
+
+@kernel
+def _read_markers(seen: Observation, markers: tuple[Marker, Marker], buffers: FinderBuffers, count: int) -> None:
+    """Ids of robots that their blobs do not tell for sure: those read already show what the paints look like.
+
+    Where the blobs tell all ids, the usual frame, nothing is measured.
+    """
+    if not _is_one_unsure(seen, markers, buffers, count):
+        return
+    found, patches, learned = buffers.found, buffers.patches, buffers.learned
+    learned[:] = 0.0
+    for one in range(count):
+        marker = markers[found[one].team]
+        buffers.unsure[one] = False
+        if not marker.has_code or math.isnan(found[one].heading_rad):
+            continue
+        measure_patches(seen, marker, found[one], patches[one])
+        buffers.unsure[one] = found[one].id == NO_ID or is_doubtful(marker, patches[one])
+        if not buffers.unsure[one]:
+            learn_references(marker, found[one].id, patches[one], learned)
+    for one in range(count):
+        if buffers.unsure[one]:
+            number = read_marker(markers[found[one].team], patches[one], learned, found[one].id)
+            if number != found[one].id:
+                found[one].id = NO_ID if _is_taken(found, count, one, number) else number
+
+
+@kernel
+def _is_one_unsure(
+    seen: Observation, markers: tuple[Marker, Marker], buffers: FinderBuffers, count: int
+) -> bool:  # fmt: skip
+    """Has a robot with a heading no id, or a patch whose middle has two saturated channels?"""
+    for one in range(count):
+        robot = buffers.found[one]
+        if not markers[robot.team].has_code or math.isnan(robot.heading_rad):
+            continue
+        hypothesis = buffers.hypotheses[buffers.selected[one]]
+        if robot.id == NO_ID:
+            return True
+        for slot in range(len(markers[robot.team].slots_m)):
+            if is_overexposed(seen, hypothesis.slot_blobs[slot]):
+                return True
+    return False
+
+
+@kernel
+def _is_taken(found: Table, count: int, one: int, number: int) -> bool:
+    """Whether another robot of its team has an id."""
+    for other in range(count):
+        if other != one and found[other].team == found[one].team and found[other].id == number:
+            return True
+    return False
 
 
 @kernel

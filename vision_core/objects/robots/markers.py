@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats, Mask, frozen
+from vision_core.objects.robots.references import References, references_of
 from vision_core.objects.robots.shapes import (
     HEADING_STEPS,
     MIN_STEPS_APART,
@@ -18,7 +19,7 @@ from vision_core.objects.robots.shapes import (
     measured_from,
     shape_from,
 )
-from vision_core.patterns.geometry import area_mm2, centroid_mm, inner_points_mm
+from vision_core.patterns.geometry import area_mm2, centroid_mm, depth_mm, inner_points_mm
 from vision_core.patterns.loader import CODE, TEAM, Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable
@@ -32,6 +33,9 @@ ANCHOR_ROLE, SLOT_ROLE = 1, 2
 
 NO_DIGIT = -1
 """The digit of a color class that a slot cannot have."""
+
+POINTS, INNER_DEPTH = 16, 0.45
+"""Points at which a patch is measured; how deep they lie in it, as a share of its depth."""
 
 MIN_RIVAL_SCORE = 0.5
 """A heading is ruled out when the team patch's shape scores less with it."""
@@ -80,6 +84,12 @@ class Marker(NamedTuple):
     """The codes of the pattern's robots, shape (n,)."""
     ids: Integers
     """The robots' ids, shape (n,)."""
+    worn: Integers
+    """Color class of every patch of every robot, the anchor first; shape (n, 1 + s)."""
+    patch_points_m: Floats
+    """Points well inside of each patch, in the robot; shape (1 + s, POINTS, 2)."""
+    references: References
+    """What the classes look like."""
     min_slots_for_heading: int
     """So many slots, whichever they are, determine the heading; one more than the pattern has when it is symmetric."""
     min_slots_with_shape: int
@@ -129,6 +139,9 @@ def marker_of(
         has_code=pattern.digits > 0,
         codes=frozen(np.array(codes, dtype=np.int64)),
         ids=frozen(np.array(list(pattern.code_by_id), dtype=np.int64)),
+        worn=frozen(_worn(pattern, [anchor, *others], team, table)),
+        patch_points_m=frozen(np.array([_inner_points_m(pattern.patches[index]) for index in (anchor, *others)])),
+        references=references_of(table),
         min_slots_for_heading=min_slots,
         min_slots_with_shape=min_slots_with_shape,
     )
@@ -148,6 +161,22 @@ def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
 
 def _radius_m(patch: Patch) -> float:
     return patch.circle_mm[2] / 2000.0 if patch.circle_mm is not None else 0.0
+
+
+def _worn(pattern: Pattern, order: Sequence[int], team: Team, table: ColorTable) -> Integers:
+    """The class of each patch, in an order of the patches, for every id."""
+    worn = [pattern.colors_worn(team, number) for number in pattern.code_by_id]
+    return np.array([[table.index(colors[index]) for index in order] for colors in worn], dtype=np.int64)
+
+
+def _inner_points_m(patch: Patch) -> Floats:
+    """POINTS of a patch that are at least INNER_DEPTH of its depth inside, spread evenly over it; shape (POINTS, 2)."""
+    points = inner_points_mm(patch)
+    depth = depth_mm(patch, points)
+    inner = points[depth >= INNER_DEPTH * depth.max()]
+    chosen = np.random.default_rng(1).choice(len(inner), POINTS, replace=len(inner) < POINTS)
+    points_m: Floats = inner[chosen] / 1000.0
+    return points_m
 
 
 def _digits(pattern: Pattern, slots: Sequence[int], table: ColorTable) -> tuple[Integers, Integers]:

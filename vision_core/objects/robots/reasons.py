@@ -120,7 +120,16 @@ def _why_no_id(
         for number, count in shown.items()
         if count > 1
     ]
-    return reasons[:MAX_REASONS] + twice
+    bright = [
+        Reason(
+            f"the blobs of a {name} robot show id {number}, but patches of its code are overexposed: in two of three "
+            "channels they are saturated, and other ids look the same",
+            "Close the lens, or lower the camera's exposure or gain.",
+        )
+        for number, count in shown.items()
+        if count == 1
+    ]
+    return reasons[:MAX_REASONS] + twice + bright
 
 
 def unread_because(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> Reason | None:

@@ -1,0 +1,108 @@
+"""Markers read as a whole: ids without blobs, refusals of what is covered, overexposed or alike."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.objects.drawing import PAINT_TABLE, Picture
+from tests.objects.finding import empty_picture, finder_of, middle
+from vision_core.geometry import Bytes, frozen
+from vision_core.models.camera_kernels import camera_map_from
+from vision_core.native.kernels import read_only
+from vision_core.objects.observation import Observation
+from vision_core.objects.robots.finder import find_robots
+from vision_core.objects.robots.marker_reading import read_marker
+from vision_core.objects.robots.references import chromaticity, references_of
+from vision_core.patterns.loader import load_pattern
+from vision_core.types.tables import MAX_ROBOTS, NO_ID, ROBOT, Table
+
+SSL = load_pattern("ssl-standard")
+FINDER = finder_of("ssl-standard")
+FRONT_LEFT = np.array([0.035, 0.054772])
+
+
+def robot_of(code: str, heading: float) -> tuple[Picture, np.ndarray]:
+    """A blue robot in the middle of a picture, and where its front left dot is [m]."""
+    drawn = empty_picture(SSL, 1.5, 44.0)
+    x, y = middle(drawn, SSL.robot.height_m)
+    drawn.paint_pattern(SSL, "blue", code, (x, y, heading))
+    c, s = math.cos(heading), math.sin(heading)
+    return drawn, np.array([x, y]) + np.array([[c, -s], [s, c]]) @ FRONT_LEFT
+
+
+def found_without(drawn: Picture, place_m: np.ndarray, pixels: Bytes | None = None) -> Table:
+    """What is found when the blob at a place is missing, as where the color table does not know a paint in shade."""
+    blobs = drawn.blobs(table=PAINT_TABLE)
+    at = drawn.camera.pixel_from_field(place_m, SSL.robot.height_m)[0]
+    blobs = blobs[np.hypot(blobs["x_px"] - at[0], blobs["y_px"] - at[1]) > 4.0]
+    pixels = drawn.as_bytes() if pixels is None else pixels
+    seen = Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera_map_from(drawn.camera))
+    out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
+    return out[: find_robots(seen, FINDER, out)]
+
+
+@pytest.mark.parametrize("marker", sorted(SSL.code_by_id))
+def test_a_dot_without_a_blob_is_measured_at_its_place(marker: int) -> None:
+    drawn, place = robot_of(SSL.code_by_id[marker], 0.3 + marker)
+    (robot,) = found_without(drawn, place)
+    assert robot["id"] == marker
+
+
+@pytest.mark.parametrize("share", [0.4, 0.7])
+def test_half_the_light_on_a_dot_changes_nothing(share: float) -> None:
+    drawn, place = robot_of(SSL.code_by_id[5], 1.0)
+    at = drawn.camera.pixel_from_field(place, SSL.robot.height_m)[0]
+    y, x = np.mgrid[: drawn.height, : drawn.width]
+    near = np.hypot(x - at[0], y - at[1]) < 6.0
+    shaded = np.where(near[..., None], drawn.as_bytes() * share, drawn.as_bytes()).astype(np.uint8)
+    (robot,) = found_without(drawn, place, read_only(shaded))
+    assert robot["id"] == 5
+
+
+@pytest.mark.parametrize("cover", ["body", "yellow", "blue", "pale"])
+def test_what_covers_a_dot_is_no_color_of_the_code(cover: str) -> None:
+    for marker, code in SSL.code_by_id.items():
+        drawn, place = robot_of(code, 0.7 * marker)
+        drawn.paint_disc(cover, float(place[0]), float(place[1]), 0.022, SSL.robot.height_m)
+        (robot,) = found_without(drawn, place)
+        assert robot["id"] == NO_ID, (cover, marker)
+
+
+def test_a_cable_over_a_dot_is_noticed() -> None:
+    drawn, place = robot_of(SSL.code_by_id[9], 0.0)
+    drawn.paint_polygon("body", place + np.array([[-0.03, 0.0], [0.03, 0.0], [0.03, 0.03], [-0.03, 0.03]]), 0.14)
+    (robot,) = found_without(drawn, place)
+    assert robot["id"] == NO_ID
+
+
+def test_chromaticity_is_the_same_in_half_the_light_and_shifts_in_warmer_light() -> None:
+    paints = np.array([[210.0, 100.0, 30.0], [90.0, 220.0, 80.0]]) * 10.0  # so bright that the dark level is nothing
+    assert chromaticity(0.5 * paints) == pytest.approx(chromaticity(paints), abs=0.05)
+    shifts = chromaticity(paints * np.array([0.7, 1.0, 1.2])) - chromaticity(paints)
+    assert shifts[0] == pytest.approx(shifts[1], abs=0.05)
+
+
+def test_a_class_without_colors_is_known_by_nothing() -> None:
+    empty = replace(PAINT_TABLE, names=(*PAINT_TABLE.names, "none"), mean_bgr=frozen(np.zeros((12, 3), dtype=np.uint8)))
+    references = references_of(empty)
+    assert references.spreads[-1].tolist() == [4.0, 0.0, 4.0]
+
+
+def patches_of(code: str, overexposed: int) -> np.ndarray:
+    """Measured patches of a larc marker (three patches), one of them with blue and green saturated."""
+    marker = finder_of("vsss-three-patch").markers[0]
+    row = [*load_pattern("vsss-three-patch").code_by_id.values()].index(code)
+    patches = np.zeros((9, 4))
+    for patch, color in enumerate(marker.worn[row]):
+        patches[patch, :2] = marker.references.means[color]
+    patches[overexposed, :3] = 0.0, -2.4, 3.0
+    return patches
+
+
+@pytest.mark.parametrize(("code", "other"), [("RC", 2), ("RG", 2)])
+def test_green_and_cyan_overexposed_are_not_told_apart(code: str, other: int) -> None:
+    marker = finder_of("vsss-three-patch").markers[0]
+    number = {value: key for key, value in load_pattern("vsss-three-patch").code_by_id.items()}[code]
+    assert read_marker(marker, patches_of(code, other), np.zeros((256, 6)), number) == NO_ID

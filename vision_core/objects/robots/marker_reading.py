@@ -1,0 +1,243 @@
+"""A marker is read as a whole: every patch is measured in the picture at its place, blob or no blob. Compiled kernels.
+
+1. ``measure_patches``: mean chromaticity of each patch, which channels are saturated, and how uneven it is.
+2. ``learn_references``: robots that are read by their blobs show what the paints look like in this light; a class that
+   no robot shows keeps the reference of the color table, which counts less.
+3. ``read_marker``: of all ids of the pattern the one whose paints explain all patches best. One shift of the
+   chromaticity, the light on this robot, is free within bounds, so papers are judged relative to each other. The
+   energy that the second best id needs beyond it is the margin; a small one gives no id. Neither does a patch that no
+   paint explains (a hand lies on it) or that is uneven (a cable does).
+
+A saturated channel may be any amount brighter. So a patch with saturated channels stands for a ray or a cone of
+chromaticities, and each paint is compared with the nearest of them: green and cyan, both with green and blue at 255,
+are alike, and blobs that tell them apart are not trusted (``is_doubtful``).
+"""
+
+import math
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_kernels import pixel_from_field
+from vision_core.native.kernels import kernel
+from vision_core.objects.observation import Observation
+from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.references import DARK_LEVEL, MIN_SPREAD
+from vision_core.types.tables import NO_ID
+
+Row: TypeAlias = Any
+"""One row of a table."""
+
+X, Y, SATURATED, UNEVEN = range(4)
+"""Columns of a robot's measured patches: chromaticity, bits of the saturated channels (1 blue, 2 green, 4 red), and the
+largest standard deviation of a channel within the patch [grey levels]."""
+COUNT, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY = range(6)
+"""Columns of what was learned of a class."""
+
+SATURATED_LEVEL = 253.5
+MAX_UNEVEN = 35.0
+PRIOR_COUNT = 0.3
+"""Patches that the color table's reference counts for."""
+LIGHT_SD = 0.08
+"""How much the light's chromaticity may differ on one robot from that of the others."""
+MIN_MARGIN = 5.0
+"""Energy, twice a log likelihood, that the second best id must need beyond the best one."""
+ALIKE_MARGIN = 1.0
+"""With a smaller margin two ids look the same."""
+MAX_MISFIT = 12.0
+"""Energy of one patch beyond which no paint explains it."""
+MAX_BEYOND = 1.2
+"""How far beyond saturation a channel may be: three times as bright."""
+_DIRECTIONS = ((1.0, 0.0), (-1.0, -1.0), (0.0, 1.0))
+"""Where the chromaticity goes when blue, green or red grows."""
+
+
+@kernel
+def measure_patches(seen: Observation, marker: Marker, robot: Row, patches: Floats) -> None:
+    """Measure every patch of a robot at its place; patches: shape (>= 1 + s, 4), see ``X``.
+
+    Within one robot the camera is taken to be linear.
+    """
+    height, width, _ = seen.pixels.shape
+    arm = marker.radius_m
+    c, s = math.cos(robot.heading_rad), math.sin(robot.heading_rad)
+    x0, y0 = pixel_from_field(seen.camera, robot.x_m, robot.y_m, marker.height_m)
+    ahead_x, ahead_y = pixel_from_field(seen.camera, robot.x_m + c * arm, robot.y_m + s * arm, marker.height_m)
+    left_x, left_y = pixel_from_field(seen.camera, robot.x_m - s * arm, robot.y_m + c * arm, marker.height_m)
+    ax, ay, bx, by = (ahead_x - x0) / arm, (ahead_y - y0) / arm, (left_x - x0) / arm, (left_y - y0) / arm
+    points = marker.patch_points_m
+    for patch in range(len(points)):
+        sums = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for k in range(points.shape[1]):
+            along, across = points[patch, k, 0], points[patch, k, 1]
+            u, v = x0 + along * ax + across * bx, y0 + along * ay + across * by
+            column, row = min(max(int(u + 0.5), 0), width - 1), min(max(int(v + 0.5), 0), height - 1)
+            sums = _added(sums, seen.pixels, row, column)
+        _summarize(sums, float(points.shape[1]), patches[patch])
+
+
+@kernel
+def _added(
+    sums: tuple[float, float, float, float, float, float], pixels: Bytes, row: int, column: int
+) -> tuple[float, float, float, float, float, float]:
+    """Sums of blue, green, red and of their squares, with one pixel more."""
+    blue, green = np.float64(pixels[row, column, 0]), np.float64(pixels[row, column, 1])
+    red = np.float64(pixels[row, column, 2])
+    b, g, r, bb, gg, rr = sums
+    return b + blue, g + green, r + red, bb + blue * blue, gg + green * green, rr + red * red
+
+
+@kernel
+def _summarize(sums: tuple[float, float, float, float, float, float], count: float, patch: Floats) -> None:
+    """Write the columns of one patch."""
+    b, g, r = sums[0] / count, sums[1] / count, sums[2] / count
+    green = math.log(g + DARK_LEVEL)
+    patch[X], patch[Y] = math.log(b + DARK_LEVEL) - green, math.log(r + DARK_LEVEL) - green
+    patch[SATURATED] = (b >= SATURATED_LEVEL) + 2.0 * (g >= SATURATED_LEVEL) + 4.0 * (r >= SATURATED_LEVEL)
+    variance = max(sums[3] / count - b * b, sums[4] / count - g * g, sums[5] / count - r * r, 0.0)
+    patch[UNEVEN] = math.sqrt(variance)
+
+
+@kernel
+def is_doubtful(marker: Marker, patches: Floats) -> bool:
+    """Has a patch of the code two saturated channels, so that its hue is not known?"""
+    for slot in range(len(marker.slots_m)):
+        bits = int(patches[1 + slot, SATURATED])
+        if marker.place_values[slot] > 0 and bits & (bits - 1) != 0:
+            return True
+    return False
+
+
+@kernel
+def is_overexposed(seen: Observation, blob: int) -> bool:
+    """Are two channels saturated in the middle of a blob?"""
+    if blob < 0:
+        return False
+    row, column = int(seen.blobs[blob].y_px + 0.5), int(seen.blobs[blob].x_px + 0.5)
+    saturated = 0
+    for channel in range(3):
+        saturated += seen.pixels[row, column, channel] > SATURATED_LEVEL
+    return saturated >= 2
+
+
+@kernel
+def learn_references(marker: Marker, number: int, patches: Floats, learned: Floats) -> None:
+    """Count the patches of a robot whose id is sure, those without a saturated channel.
+
+    number: the id; learned: per class, shape (classes, 6), see ``COUNT``.
+    """
+    for row in range(len(marker.ids)):
+        if marker.ids[row] != number:
+            continue
+        for patch in range(marker.worn.shape[1]):
+            if patches[patch, SATURATED] == 0.0:
+                x, y, sums = patches[patch, X], patches[patch, Y], learned[marker.worn[row, patch]]
+                sums[COUNT] += 1.0
+                sums[SUM_X] += x
+                sums[SUM_Y] += y
+                sums[SUM_XX] += x * x
+                sums[SUM_XY] += x * y
+                sums[SUM_YY] += y * y
+
+
+@kernel
+def read_marker(marker: Marker, patches: Floats, learned: Floats, by_blobs: int) -> int:
+    """The id whose paints explain a robot's patches best; NO_ID where that is not sure.
+
+    by_blobs: the id that the blobs show, or NO_ID. It stays unless another one is as good, or clearly better.
+    """
+    best, second, best_row, misfit = math.inf, math.inf, 0, 0.0
+    for row in range(len(marker.ids)):
+        energy, worst = _energy_of(marker, row, patches, learned)
+        if energy < best:
+            second, best, best_row, misfit = best, energy, row, worst
+        elif energy < second:
+            second = energy
+    number, margin = int(marker.ids[best_row]), second - best
+    if by_blobs != NO_ID:
+        return NO_ID if margin < ALIKE_MARGIN or (number != by_blobs and margin >= MIN_MARGIN) else by_blobs
+    if margin < MIN_MARGIN or misfit > MAX_MISFIT or _is_uneven(marker, patches):
+        return NO_ID
+    return number
+
+
+@kernel
+def _is_uneven(marker: Marker, patches: Floats) -> bool:
+    """Does something lie over a part of a patch?"""
+    most = 0.0
+    for patch in range(marker.worn.shape[1]):
+        most = max(most, patches[patch, UNEVEN])
+    return most > MAX_UNEVEN
+
+
+@kernel
+def _energy_of(marker: Marker, row: int, patches: Floats, learned: Floats) -> tuple[float, float]:
+    """Energy of the patches if the robot wears the id of a row, and that of the worst patch."""
+    # normal equations of the light's shift: (sum W + 1 / sd^2) shift = sum W residual
+    xx, xy, yy, bx, by, energy = 1.0 / LIGHT_SD**2, 0.0, 1.0 / LIGHT_SD**2, 0.0, 0.0, 0.0
+    for patch in range(marker.worn.shape[1]):
+        x, y, wxx, wxy, wyy, volume = _residual(marker, marker.worn[row, patch], patches[patch], learned)
+        xx, xy, yy = xx + wxx, xy + wxy, yy + wyy
+        bx, by = bx + wxx * x + wxy * y, by + wxy * x + wyy * y
+        energy += wxx * x * x + 2.0 * wxy * x * y + wyy * y * y
+        if patches[patch, SATURATED] == 0.0:  # a cone of chromaticities has as much room in every paint
+            energy += math.log(volume)
+    determinant = xx * yy - xy * xy
+    shift_x, shift_y = (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
+    worst = 0.0
+    for patch in range(marker.worn.shape[1]):
+        x, y, wxx, wxy, wyy, _ = _residual(marker, marker.worn[row, patch], patches[patch], learned)
+        x, y = x - shift_x, y - shift_y
+        worst = max(worst, wxx * x * x + 2.0 * wxy * x * y + wyy * y * y)
+    return energy - bx * shift_x - by * shift_y, worst
+
+
+@kernel
+def _residual(
+    marker: Marker, color: int, patch: Floats, learned: Floats
+) -> tuple[float, float, float, float, float, float]:
+    """How far a patch is from a paint, x and y; the inverse covariance, xx xy yy; and the covariance's determinant."""
+    sums, means, spreads = learned[color], marker.references.means, marker.references.spreads
+    n, total = sums[COUNT], PRIOR_COUNT + sums[COUNT]
+    mean_x = (PRIOR_COUNT * means[color, 0] + sums[SUM_X]) / total
+    mean_y = (PRIOR_COUNT * means[color, 1] + sums[SUM_Y]) / total
+    # covariance about the common mean
+    cxx = sums[SUM_XX] - 2.0 * mean_x * sums[SUM_X] + n * mean_x * mean_x
+    cxy = sums[SUM_XY] - mean_x * sums[SUM_Y] - mean_y * sums[SUM_X] + n * mean_x * mean_y
+    cyy = sums[SUM_YY] - 2.0 * mean_y * sums[SUM_Y] + n * mean_y * mean_y
+    cxx = (PRIOR_COUNT * spreads[color, 0] + cxx + n * MIN_SPREAD**2) / total
+    cxy = (PRIOR_COUNT * spreads[color, 1] + cxy) / total
+    cyy = (PRIOR_COUNT * spreads[color, 2] + cyy + n * MIN_SPREAD**2) / total
+    volume = cxx * cyy - cxy * cxy
+    saturated = int(patch[SATURATED])
+    x, y = _beyond_saturation(patch[X] - mean_x, patch[Y] - mean_y, saturated)
+    if _is_between(mean_x, mean_y, saturated):
+        x = y = 0.0
+    return x, y, cyy / volume, -cxy / volume, cxx / volume, volume
+
+
+@kernel
+def _beyond_saturation(x: float, y: float, saturated: int) -> tuple[float, float]:
+    """The shortest residual when the saturated channels may be brighter, each in turn."""
+    for _ in range(2):
+        for channel in range(3):
+            if saturated >> channel & 1:
+                ahead_x, ahead_y = _DIRECTIONS[channel]
+                along = -(x * ahead_x + y * ahead_y) / (ahead_x * ahead_x + ahead_y * ahead_y)
+                along = min(max(along, 0.0), MAX_BEYOND)
+                x, y = x + along * ahead_x, y + along * ahead_y
+    return x, y
+
+
+@kernel
+def _is_between(x: float, y: float, saturated: int) -> bool:
+    """Are just two channels saturated, and does a paint's hue lie between theirs? Then it is not excluded."""
+    if saturated & (saturated - 1) == 0 or saturated == 7:
+        return False
+    # coordinates along the two channels' directions, written out: blue (1, 0), green (-1, -1), red (0, 1)
+    if saturated == 3:
+        return y <= 0.0 and x >= y
+    if saturated == 6:
+        return x <= 0.0 and y >= x
+    return x >= 0.0 and y >= 0.0
