@@ -1,1 +1,1 @@
-"""Calibration of the camera from the page: ``job`` (one process at a time), ``settings_of`` a result."""
+"""Calibration of the camera from the page: ``job``, a process of its own, one at a time."""
