@@ -121,13 +121,10 @@ def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[R
     covariance = np.diag(scene.prior.deviations**2)
     if measured is not None:
         covariance = measured.fit.covariance(scene.prior)
-    floor, marker = (
-        place_error_m(lens, covariance, scene.grid_m, scene.size_px, height) for height in (0.0, scene.marker_height_m)
-    )
+    heights = 0.0, scene.marker_height_m
+    floor, marker = (place_error_m(lens, covariance, scene.grid_m, scene.size_px, height) for height in heights)
     rms = float("nan") if measured is None else float(np.sqrt((measured.sights.distances(lens) ** 2).mean()))
-    coverage = (
-        0.0 if measured is None else hull_area(measured.sights.points_m) / (scene.field.length_m * scene.field.width_m)
-    )
+    spanned = 0.0 if measured is None else hull_area(measured.sights.points_m)
     result = Calibration(
         camera=lens.settings(),
         size_px=scene.size_px,
