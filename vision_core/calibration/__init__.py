@@ -19,7 +19,7 @@ number, coverage of the field, and the reasons for a refusal.
 A field looks the same from both ends, and so it does in a mirror: lines do not tell these apart.
 Nothing here guesses.
 
-Files, outside in: ``solve``, ``result``, ``judge``, ``start``, ``find``, ``straight``, ``align``, ``ridges``,
-``profiles``, ``painted``, ``solver``, ``lens``, ``draw``; ``job`` for a process of its own.
+Files, outside in: ``solve``, ``result``, ``judge``, ``certainty``, ``start``, ``find``, ``straight``, ``align``,
+``ridges``, ``profiles``, ``painted``, ``solver``, ``lens``, ``draw``; ``job`` for a process of its own.
 No file or device is opened here; a web page may call the same functions.
 """

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.calibration.certainty import hull_area, is_visible, place_error_m
 from vision_core.calibration.lens import CENTER, FOCAL, HEIGHT, MEASURES, STRETCH, Lens
 from vision_core.calibration.painted import Painted, placed, sections_for
 from vision_core.calibration.result import Calibration, LineResult
@@ -67,13 +68,6 @@ class Scene:
         x, y = (np.linspace(-0.5, 0.5, GRID) * side for side in (self.field.length_m, self.field.width_m))
         return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
-    def is_visible(self, pixels: Floats) -> NDArray[np.bool_]:
-        """Which pixels lie in the picture, shape (..., 2) -> (...)."""
-        with np.errstate(invalid="ignore"):
-            inside = (pixels >= 0.0) & (pixels <= np.array(self.size_px) - 1.0)
-        visible: NDArray[np.bool_] = np.asarray(inside.all(axis=-1))
-        return visible
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measured:
@@ -127,9 +121,10 @@ def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[R
     covariance = np.diag(scene.prior.deviations**2)
     if measured is not None:
         covariance = measured.fit.covariance(scene.prior)
-    floor, marker = (_place_error_m(scene, lens, covariance, height) for height in (0.0, scene.marker_height_m))
+    heights = 0.0, scene.marker_height_m
+    floor, marker = (place_error_m(lens, covariance, scene.grid_m, scene.size_px, height) for height in heights)
     rms = float("nan") if measured is None else float(np.sqrt((measured.sights.distances(lens) ** 2).mean()))
-    coverage = 0.0 if measured is None else _hull_area(measured.sights.points_m) / _area(scene.field)
+    spanned = 0.0 if measured is None else hull_area(measured.sights.points_m)
     result = Calibration(
         camera=lens.settings(),
         size_px=scene.size_px,
@@ -143,7 +138,7 @@ def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[R
         height_deviation_m=float(np.sqrt(covariance[HEIGHT, HEIGHT])),
         marker_error_m=marker,
         condition=float("inf") if measured is None else measured.fit.condition,
-        coverage=coverage,
+        coverage=spanned / (scene.field.length_m * scene.field.width_m),
     )
     if reasons:
         return result
@@ -226,7 +221,7 @@ def _notes(result: Calibration) -> Iterator[str]:
 def _lines(scene: Scene, lens: Lens, measured: Measured | None) -> tuple[LineResult, ...]:
     painted = sections_for(scene.field, lens) if measured is None else measured.painted
     middles = placed(painted, lens).points_px.mean(axis=1)
-    visible = scene.is_visible(middles)
+    visible = is_visible(middles, scene.size_px)
     results = []
     for number, name in enumerate(painted.names):
         own = painted.line == number
@@ -268,47 +263,3 @@ def _held_out_px(scene: Scene, measured: Measured, rest: NDArray[np.bool_]) -> f
 
 def _rms(distances: Floats) -> float:
     return float(np.sqrt((distances**2).mean()))
-
-
-def _place_error_m(scene: Scene, lens: Lens, covariance: Floats, height_m: float) -> float:
-    """Two standard deviations of a place at a height, the largest of the field [m]."""
-    share = height_m / lens.position_m[2]
-    floor = (scene.grid_m - lens.position_m[:2] * share) / (1.0 - share)
-    floor = floor[scene.is_visible(lens.project(floor))]
-    if not len(floor):
-        return float("inf")
-    step = 1e-4
-    ahead, aside = (
-        (lens.project(floor + move) - lens.project(floor - move)) / (2.0 * step)
-        for move in (np.array([step, 0.0]), np.array([0.0, step]))
-    )
-    floor_moves = -np.linalg.solve(np.stack([ahead, aside], axis=-1), lens.jacobian(floor))  # of a fixed pixel
-    moves = floor_moves * (1.0 - share)
-    moves[:, 0, 7] += share
-    moves[:, 1, 8] += share
-    moves[:, :, HEIGHT] -= (lens.position_m[:2] - floor) * (share / lens.position_m[2])
-    spread = np.einsum("ncp,pq,ncq->n", moves, covariance, moves)
-    return 2.0 * float(np.sqrt(spread.max()))
-
-
-def _area(field: FieldSettings) -> float:
-    return field.length_m * field.width_m
-
-
-def _hull_area(points: Floats) -> float:
-    """Area of the convex hull of points, shape (n, 2) [m^2]."""
-    ordered = sorted(map(tuple, points.round(6).tolist()))
-    hull: list[tuple[float, ...]] = []
-    for half in (ordered, ordered[::-1]):
-        chain: list[tuple[float, ...]] = []
-        for x, y in half:
-            while len(chain) > 1 and _is_right(chain[-2], chain[-1], (x, y)):
-                chain.pop()
-            chain.append((x, y))
-        hull += chain[:-1]
-    x, y = np.array(hull).T if len(hull) > 2 else (np.zeros(1), np.zeros(1))
-    return float(abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2.0)
-
-
-def _is_right(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> bool:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) <= 0.0
