@@ -99,6 +99,19 @@ def test_measures_that_are_estimates_are_solved(views: list[View]) -> None:
     assert "if the field had width_m = 2.3" in str(refused.reasons[-1])
 
 
+def test_a_width_that_no_touch_line_tells_is_not_solved(views: list[View]) -> None:
+    shown, covered = views[0], views[0].pixels.copy()
+    field = shown.settings.field
+    ends = np.linspace(-field.length_m / 2.0, field.length_m / 2.0, 400)
+    for y in (-field.width_m / 2.0, field.width_m / 2.0):
+        for column, row in shown.truth.pixel_from_field(np.column_stack([ends, np.full(400, y)])).astype(int):
+            top, left = max(row - 14, 0), max(column - 14, 0)
+            covered[top : row + 15, left : column + 15] = np.median(shown.pixels.reshape(-1, 3), axis=0)
+    size = covered.shape[1], covered.shape[0]
+    result = calibrate([covered], field, start_from_lens(shown.start, size), frees_measures=True)
+    assert "how wide the field is" in " ".join(map(str, result.reasons))
+
+
 def reasons(pixels: Bytes, preset: str = "ssl-2002") -> str:
     field = load_settings(options={"field_preset": preset}).field
     result = calibrate([pixels], field, None)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vision_core.calibration.certainty import hull_area, is_visible, place_error_m
 from vision_core.calibration.lens import CENTER, FOCAL, HEIGHT, MEASURES, STRETCH, Lens
-from vision_core.calibration.painted import Painted, placed, sections_for
+from vision_core.calibration.painted import TOUCH_LINES, Painted, placed, sections_for
 from vision_core.calibration.result import Calibration, LineResult
 from vision_core.calibration.solver import Fit, Prior, Sights, fit
 from vision_core.calibration.start import FIXED
@@ -181,6 +181,9 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
     share = sum(line.found * line.visible for line in visible) / sum(line.visible for line in visible)
     if share < MIN_FOUND:
         yield Reason(f"only {share:.0%} of the lines' length shows paint at its place", preset)
+    if scene.frees_measures and not any(line.name in TOUCH_LINES for line in found):
+        text = "neither touch line was found, so nothing tells how wide the field is"
+        yield Reason(text, "Clear the touch lines, or measure the field's width and take it as it is.")
     if result.rms_px > max(MAX_RMS_PX, MAX_RMS * max(scene.size_px)):
         text = f"the lines lie {result.rms_px:.1f} px (rms) beside where one camera can see them"
         yield Reason(text, "Check the field's measures.")

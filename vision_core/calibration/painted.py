@@ -20,6 +20,7 @@ NAMES = (
     *("right penalty area, bottom", "right penalty area, front", "right penalty area, top"),
 )
 """Of ``field_lines``, in its order. Left is the goal at negative x, the top has positive y."""
+TOUCH_LINES = NAMES[:2]
 CIRCLE = "center circle"
 OUTER_LINES, MAX_WALL_GAP_M = 4, 0.02
 """The first of NAMES lie along the walls, unless these stand farther outside."""
