@@ -106,3 +106,13 @@ def test_green_and_cyan_overexposed_are_not_told_apart(code: str, other: int) ->
     marker = finder_of("vsss-three-patch").markers[0]
     number = {value: key for key, value in load_pattern("vsss-three-patch").code_by_id.items()}[code]
     assert read_marker(marker, patches_of(code, other), np.zeros((256, 6)), number) == NO_ID
+
+
+def test_a_clipped_patch_is_not_read_where_the_blobs_say_nothing() -> None:
+    marker, clear, clipped = finder_of("vsss-three-patch").markers[0], patches_of("MG", 0), patches_of("MG", 0)
+    clear[0] = 0.0
+    clear[0, :2] = clipped[0, :2] = marker.references.means[marker.anchor_class]
+    clipped[0, 2] = 1.0
+    nothing = np.zeros((256, 6))
+    assert read_marker(marker, clear, nothing, NO_ID) == 11
+    assert read_marker(marker, clipped, nothing, NO_ID) == NO_ID

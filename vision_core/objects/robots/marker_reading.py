@@ -36,7 +36,7 @@ COUNT, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY = range(6)
 """Columns of what was learned of a class."""
 
 SATURATED_LEVEL = 253.5
-MAX_UNEVEN = 35.0
+MAX_UNEVEN = 50.0
 PRIOR_COUNT = 0.3
 """Patches that the color table's reference counts for."""
 LIGHT_SD = 0.08
@@ -157,18 +157,18 @@ def read_marker(marker: Marker, patches: Floats, learned: Floats, by_blobs: int)
     number, margin = int(marker.ids[best_row]), second - best
     if by_blobs != NO_ID:
         return NO_ID if margin < ALIKE_MARGIN or (number != by_blobs and margin >= MIN_MARGIN) else by_blobs
-    if margin < MIN_MARGIN or misfit > MAX_MISFIT or _is_uneven(marker, patches):
+    if margin < MIN_MARGIN or misfit > MAX_MISFIT or _is_covered_or_clipped(marker, patches):
         return NO_ID
     return number
 
 
 @kernel
-def _is_uneven(marker: Marker, patches: Floats) -> bool:
-    """Does something lie over a part of a patch?"""
-    most = 0.0
+def _is_covered_or_clipped(marker: Marker, patches: Floats) -> bool:
+    """Does something lie over a part of a patch, or has one a saturated channel, so that its color is not known?"""
+    most, saturated = 0.0, 0.0
     for patch in range(marker.worn.shape[1]):
-        most = max(most, patches[patch, UNEVEN])
-    return most > MAX_UNEVEN
+        most, saturated = max(most, patches[patch, UNEVEN]), max(saturated, patches[patch, SATURATED])
+    return most > MAX_UNEVEN or saturated > 0.0
 
 
 @kernel
