@@ -48,8 +48,8 @@ def run_service(start: StartOptions, reports: Reports) -> int:
     if sys.platform != "linux":
         raise ServiceError("a PSLV server", found=sys.platform, accepted="Linux (the client runs anywhere)")
     prepared = prepare(start, reports.lines.say)
-    with ExitStack() as held, ExitStack() as camera:
-        _lock(camera, prepared)
+    with ExitStack() as held:
+        camera = held.enter_context(_locked_camera(prepared))
         sockets = {name: held.enter_context(opened) for name, opened in open_sockets(prepared.settings.server).items()}
         boot = Instant(time.monotonic_ns())
         info = service_info(prepared, sockets, version=__version__, boot=boot, restarts=0)
@@ -63,6 +63,7 @@ def run_service(start: StartOptions, reports: Reports) -> int:
         while not service.supervisor.is_stopping:
             service.run()
         service.supervisor.stop()
+        service.camera.close()
         return service.supervisor.exit_status
 
 
@@ -87,7 +88,7 @@ class _Service:
             return
         try:
             with unhurried():
-                prepared, successor = self._successor()
+                prepared, info, camera, successor = self._successor()
         except PslvError as error:
             running.refuse_restart(str(error))
             return
@@ -101,26 +102,22 @@ class _Service:
         if running.is_stopping:
             successor.stop()
             return
-        successor.start(running.stop())
-        self.prepared, self.supervisor = prepared, successor
+        carried = running.stop()
+        if camera is not self.camera:
+            self.camera.close()
+        successor.start(carried)
+        self.prepared, self.info, self.camera, self.supervisor = prepared, info, camera, successor
 
-    def _successor(self) -> tuple[Prepared, Supervisor]:
-        """What the files and the page have now, and a supervisor for it. Raises PslvError."""
+    def _successor(self) -> tuple[Prepared, ServiceInfo, ExitStack, Supervisor]:
+        """What the files and the page have now, the camera held for it, and a supervisor for it. Raises PslvError."""
         prepared = prepare(self.start, self.supervisor.say)
-        if prepared.settings.source.device != self.prepared.settings.source.device:
-            self._change_camera(prepared)
-        self.info = service_info(
+        info = service_info(
             prepared, self.sockets, version=__version__, boot=self.info.boot, restarts=self.info.restarts + 1
         )
-        plan = plan_service(self.info, self.sockets, {}, _check(self.start, prepared), compiles=False)
-        return prepared, Supervisor(plan, self.reports.log, self.reports.progress)
-
-    def _change_camera(self, prepared: Prepared) -> None:
-        """Hold another camera in place of the present one. Raises ServiceError; then the present one is still held."""
-        with ExitStack() as other:
-            _lock(other, prepared)
-            self.camera.close()
-            self.camera = other.pop_all()
+        is_same = prepared.settings.source.device == self.prepared.settings.source.device
+        camera = self.camera if is_same else _locked_camera(prepared)
+        plan = plan_service(info, self.sockets, {}, _check(self.start, prepared), compiles=False)
+        return prepared, info, camera, Supervisor(plan, self.reports.log, self.reports.progress)
 
 
 def _check(start: StartOptions, prepared: Prepared) -> tuple[str, ...]:
@@ -128,7 +125,9 @@ def _check(start: StartOptions, prepared: Prepared) -> tuple[str, ...]:
     return check_command(Running(start, prepared.settings.server, prepared.settings.source.uri))
 
 
-def _lock(camera: ExitStack, prepared: Prepared) -> None:
-    """Hold the camera, if the source is one, until the stack is closed. Raises ServiceError when another has it."""
+def _locked_camera(prepared: Prepared) -> ExitStack:
+    """Holds the camera, if the source is one, until it is closed. Raises ServiceError when another service has it."""
+    held = ExitStack()
     if prepared.settings.source.device is not None:
-        camera.enter_context(lock_camera(prepared.settings.source.device))
+        held.enter_context(lock_camera(prepared.settings.source.device))
+    return held
