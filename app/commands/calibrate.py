@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from vision_core.calibration.result import Calibration, LineResult
     from vision_core.calibration.start import Start
     from vision_core.geometry import Bytes
-    from vision_core.settings.schema import PinholeSettings, Settings
+    from vision_core.settings.schema import Settings
     from vision_core.venues.loader import Layer
 
 calibrate_app = typer.Typer(no_args_is_help=True, help="Set up a venue from pictures.")
@@ -59,7 +58,7 @@ def camera(
     It begins with --corners, else with the venue's own camera; without both, or with --find, the field is searched in
     the picture. A result that cannot be trusted is refused with its reasons, and exit status 2.
     """
-    from vision_core.calibration.solve import calibrate
+    from vision_core.calibration.solve import calibrate, from_other_end
     from vision_core.venues.camera_edit import camera_lines, save_camera
     from vision_core.venues.loader import layers_of, settings_from_layers
 
@@ -84,7 +83,7 @@ def camera(
     finally:
         progress.show("")
     if swap_ends:
-        result = replace(result, camera=_from_other_end(result))
+        result = from_other_end(result)
     if draw is not None:
         _draw(draw, shown[0], result)
     typer.echo(_json(result) if as_json else _report(result, settings))
@@ -109,13 +108,12 @@ def _start(
     """What the calibration begins with: named corners, or the venue's own camera; None: nothing."""
     import numpy as np
 
-    from vision_core.calibration.find import corners_m
-    from vision_core.calibration.start import start_from_points, start_from_settings
+    from vision_core.calibration.start import start_from_corners, start_from_settings
 
     height, width, _ = pixels.shape
     if corners is not None:
         points = np.array(_numbers(corners)).reshape(4, 2)
-        return start_from_points(points, corners_m(settings.field), (width, height), height_m=height_m)
+        return start_from_corners(points, settings.field, (width, height), height_m=height_m)
     if not _has_own_camera(layers):
         return None
     wanted = settings.camera.width_px, settings.camera.height_px
@@ -149,12 +147,6 @@ def _own_file(venue: str | None, config: Path | None, layers: "list[Layer]") -> 
     if path is None or not path.endswith(".toml"):
         return None
     return next(layer for layer in reversed(layers) if layer.name == str(Path(path)))
-
-
-def _from_other_end(result: "Calibration") -> "PinholeSettings":
-    from vision_core.calibration.lens import Lens
-
-    return Lens.from_settings(result.camera).from_other_end().settings()
 
 
 def _draw(path: Path, pixels: "Bytes", result: "Calibration") -> None:

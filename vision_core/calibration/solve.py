@@ -86,6 +86,11 @@ def calibrate(
     return replace(result, reasons=(*result.reasons, _better_measures(field, other))) if other.accepted else result
 
 
+def from_other_end(result: Calibration) -> Calibration:
+    """The same with left and right goal exchanged: lines do not tell which end is which."""
+    return replace(result, camera=Lens.from_settings(result.camera).from_other_end().settings())
+
+
 def _better_measures(field: FieldSettings, other: Calibration) -> Reason:
     """That the lines would fit if the field had other measures."""
     changed = [

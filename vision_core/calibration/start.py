@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.calibration.align import fit_points, posed
+from vision_core.calibration.find import corners_m
 from vision_core.calibration.lens import (
     CENTER,
     COUNT,
@@ -84,6 +85,21 @@ def start_from_points(
     focal_deviation = GUESSED_FOCAL * focal if height_m is None else 0.5 * focal
     prior = _prior(lens.values, size_px, focal_deviation, height_deviation)
     return Start(fit_points(lens, places_m, pixels, posed(prior, lens)), prior)
+
+
+def start_from_corners(
+    corners_px: Floats, field: FieldSettings, size_px: tuple[int, int], *, height_m: float | None = None
+) -> Start:
+    """From the outer corners of the field's lines that somebody dragged, shape (4, 2), in the order of ``corners_m``.
+
+    Raises SettingsError as ``start_from_points``, and for corners that lie far outside of the picture.
+    """
+    size = np.array(size_px, dtype=np.float64)
+    if not (np.abs(corners_px - size / 2.0) <= 1.5 * size).all():
+        found = ", ".join(f"{x:g} {y:g}" for x, y in corners_px.tolist())
+        accepted = f"pixels in or near the picture of {size_px[0]}x{size_px[1]}"
+        raise SettingsError("corners of the field", found=found, accepted=accepted)
+    return start_from_points(corners_px, corners_m(field), size_px, height_m=height_m)
 
 
 def start_without_lines(field: FieldSettings, size_px: tuple[int, int], *, height_m: float | None = None) -> Start:

@@ -6,18 +6,15 @@ gets a ``CalibrationStep`` per line; the last has the result or an error.
 
 import os
 import sys
-from dataclasses import replace
 from typing import IO
 
 import msgspec
 import numpy as np
 
-from vision_core.calibration.find import corners_m
 from vision_core.calibration.job import CalibrationJob, CalibrationStep
-from vision_core.calibration.lens import Lens
 from vision_core.calibration.result import Calibration
-from vision_core.calibration.solve import calibrate
-from vision_core.calibration.start import Start, start_from_points, start_from_settings
+from vision_core.calibration.solve import calibrate, from_other_end
+from vision_core.calibration.start import Start, start_from_corners, start_from_settings
 from vision_core.errors import PslvError
 from vision_core.geometry import Bytes
 from vision_core.scheduling.attachment import end_with
@@ -44,15 +41,12 @@ def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
         marker_height_m=job.settings.robots.height_m,
         progress=lambda what, share: _tell(CalibrationStep(what, share)),
     )
-    if not job.swaps_ends:
-        return result
-    return replace(result, camera=Lens.from_settings(result.camera).from_other_end().settings())
+    return from_other_end(result) if job.swaps_ends else result
 
 
 def _start(job: CalibrationJob) -> Start | None:
     if job.corners_px is not None:
-        places = corners_m(job.settings.field)
-        return start_from_points(np.array(job.corners_px), places, job.size_px, height_m=job.height_m)
+        return start_from_corners(np.array(job.corners_px), job.settings.field, job.size_px, height_m=job.height_m)
     return None if job.finds else start_from_settings(job.settings.camera, height_m=job.height_m)
 
 

@@ -92,7 +92,9 @@ def test_corners_that_no_camera_sees_are_named(
     assert http.post("/calibration", json={"corners_px": [[9, 9], [9, 9], [9, 9], [9, 9]]}).status_code == 202
     ended = wait_for_end(http)
     assert ended["state"] == "failed"
-    assert ended["error"]
+    assert "three lie on one line" in str(ended["error"])
+    assert http.post("/calibration", json={"corners_px": [[9, 9], [1e300, 9], [9, 1e300], [9, 9]]}).status_code == 202
+    assert "accepted: pixels in or near the picture of 780x580" in str(wait_for_end(http)["error"])
 
 
 def test_a_calibration_is_cancelled(http: httpx.Client, monkeypatch: pytest.MonkeyPatch, shown: View) -> None:
