@@ -2,16 +2,18 @@
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from bench.segmenters import ReferenceSegmenter
 from vision_core.color.lookup_table import cell_centers, compile_color_table
-from vision_core.geometry import Bytes, Floats, frozen, rotation
+from vision_core.geometry import Bytes, Floats, Mask, frozen, rotation
 from vision_core.models.camera import CameraModel, PinholeCamera
+from vision_core.models.field import painted_points
 from vision_core.native.kernels import read_only
 from vision_core.patterns.loader import CODE, TEAM, Pattern, load_pattern
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import FieldSettings, Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table
 from vision_core.venues.loader import load_settings
@@ -31,6 +33,7 @@ PAINTS: dict[str, Color] = {
     "purple": (120, 30, 80),
     "magenta": (200, 40, 235),
     "pale": (190, 200, 195),
+    "white": (225, 230, 228),
 }
 
 SETTINGS: Settings = load_settings()
@@ -46,7 +49,7 @@ NEAR = 60.0
 
 def paint_table() -> ColorTable:
     """A table with a class for every paint of a marker."""
-    names = [name for name in PAINTS if name not in {"carpet", "body"}]
+    names = [name for name in PAINTS if name not in {"carpet", "body", "white"}]
     paints = np.array([PAINTS[name] for name in names], dtype=np.float64)
     apart = np.linalg.norm(cell_centers()[:, None] - paints, axis=2)
     classes = np.where(apart.min(axis=1) <= NEAR, apart.argmin(axis=1) + 1, 0).astype(np.uint8)
@@ -72,40 +75,62 @@ class Picture:
     width: int
     height: int
     pixels: Floats = field(init=False)
-    _samples: Floats = field(init=False)
-    _places: dict[float, Floats] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.pixels = np.full((self.height, self.width, 3), PAINTS["carpet"], dtype=np.float64)
-        steps = (np.arange(SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
-        y, x, v, u = np.meshgrid(
-            np.arange(self.height), np.arange(self.width), steps, steps, indexing="ij", sparse=False
-        )
-        self._samples = np.column_stack([(x + u).ravel(), (y + v).ravel()])
-
-    def _at(self, height_m: float) -> Floats:
-        """Where the samples' rays cross the plane of a height, shape (n, 2) [m]."""
-        if height_m not in self._places:
-            self._places[height_m] = self.camera.field_from_pixel(self._samples, height_m)
-        return self._places[height_m]
 
     def paint_disc(self, paint: str, x_m: float, y_m: float, radius_m: float, height_m: float) -> None:
         """A disc in the plane of a height, its rim blended by what it covers of a pixel."""
-        places = self._at(height_m)
-        covered = np.hypot(places[:, 0] - x_m, places[:, 1] - y_m) <= radius_m
-        share = covered.reshape(self.height, self.width, -1).mean(axis=2)[..., None]
-        self.pixels += share * (np.array(PAINTS[paint]) - self.pixels)
+        turns = np.linspace(0.0, math.tau, 24)
+        rim = np.array([x_m, y_m]) + radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
+        if (window := self._window(rim, height_m)) is not None:
+            places = self._places(window, height_m)
+            self._paint(window, paint, np.hypot(places[:, 0] - x_m, places[:, 1] - y_m) <= radius_m)
 
     def paint_polygon(self, paint: str, corners_m: Floats, height_m: float) -> None:
         """A polygon, shape (n, 2), in the plane of a height."""
-        places = self._at(height_m)
+        if (window := self._window(corners_m, height_m)) is None:
+            return
+        places = self._places(window, height_m)
         covered = np.zeros(len(places), dtype=np.bool_)
         for (x1, y1), (x2, y2) in zip(corners_m, np.roll(corners_m, -1, axis=0), strict=True):
             if y1 != y2:
                 beyond = places[:, 0] < x1 + (places[:, 1] - y1) * (x2 - x1) / (y2 - y1)
                 covered ^= ((y1 > places[:, 1]) != (y2 > places[:, 1])) & beyond
-        share = covered.reshape(self.height, self.width, -1).mean(axis=2)[..., None]
-        self.pixels += share * (np.array(PAINTS[paint]) - self.pixels)
+        self._paint(window, paint, covered)
+
+    def _window(self, outline_m: Floats, height_m: float) -> tuple[int, int, int, int] | None:
+        """The part of the picture in which a thing with this outline lies: left, top, right, bottom; None: outside."""
+        outline = self.camera.pixel_from_field(outline_m, height_m)
+        low, high = np.floor(outline.min(axis=0)) - 2, np.ceil(outline.max(axis=0)) + 3
+        left, top = np.maximum(low, 0).astype(int).tolist()
+        right, bottom = np.minimum(high, (self.width, self.height)).astype(int).tolist()
+        return (left, top, right, bottom) if left < right and top < bottom else None
+
+    def _places(self, window: tuple[int, int, int, int], height_m: float) -> Floats:
+        """Where the rays of a window's samples cross the plane of a height, shape (n, 2) [m]."""
+        left, top, right, bottom = window
+        steps = (np.arange(SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
+        y, x, v, u = np.meshgrid(np.arange(top, bottom), np.arange(left, right), steps, steps, indexing="ij")
+        return self.camera.field_from_pixel(np.column_stack([(x + u).ravel(), (y + v).ravel()]), height_m)
+
+    def _paint(self, window: tuple[int, int, int, int], paint: str, covered: Mask) -> None:
+        left, top, right, bottom = window
+        part = self.pixels[top:bottom, left:right]
+        share = covered.reshape(bottom - top, right - left, -1).mean(axis=2)[..., None]
+        part += share * (np.array(PAINTS[paint]) - part)
+
+    def paint_lines(self, field: FieldSettings) -> None:
+        """The painted lines of a field, straight and round."""
+        for points in painted_points(field, 41):
+            for start, end in pairwise(points):
+                aside = np.array([start[1] - end[1], end[0] - start[0]])
+                aside *= field.line_width_m / 2.0 / np.hypot(*aside)
+                along = (end - start) * 0.01
+                corners = np.array(
+                    [start - along + aside, end + along + aside, end + along - aside, start - along - aside]
+                )
+                self.paint_polygon("white", corners, 0.0)
 
     def paint_pattern(self, pattern: Pattern, team: str, code: str, pose: tuple[float, float, float]) -> None:
         """A robot's top with any pattern; "-" in the code leaves a patch away. pose: x, y [m], heading [rad]."""

@@ -15,6 +15,7 @@ FOUND: list[tuple[Any, Any]] = [
     (Finding[FieldBoundary], FieldBoundary((), (), 0.0, None, None)),
     (Finding[LineCheck], LineCheck(12, 7, 0.75, 0.25, 0.0)),
     (Finding[LineCheck], LineCheck(0, 0, None, None, 1.0)),
+    (Finding[LineCheck], LineCheck(12, 7, 0.75, 2.5, 0.0, (Reason("off", "Mend it.", 3.0, True),))),
     (Finding[ExposureCheck], ExposureCheck(230.0, 80.5, 0.01, (Reason("over-exposed", "Close the lens."),))),
     (Finding[ExposureCheck], ExposureCheck(None, None, None, ())),
     (Finding[ColorDrift], ColorDrift((0.5, 1.0, 2.0), "")),

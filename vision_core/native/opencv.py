@@ -38,6 +38,10 @@ MAX_PICTURE_BYTES = 300_000_000
 HEADER_BYTES = 1 << 20
 """A picture's size stands within so many bytes; Exif data and color profiles may come before it."""
 PICTURE_FORMATS = "JPEG, PNG, BMP, TIFF or WebP"
+FILLED_BITS = (10, 12)
+"""Bits of a pixel that cameras deliver in 16."""
+MIN_FILLED = 512
+"""A picture without a brighter pixel, of 65535, is black however many bits were filled."""
 MAX_HZ = 1000.0
 VIDEOS = "a video that FFmpeg can decode: MP4, AVI, MKV, ..."
 YUYV = cv2.VideoWriter.fourcc(*"YUYV")
@@ -48,6 +52,7 @@ CAMERA_BUFFERS = 2
 def read_picture(path: Path, size_px: tuple[int, int] | None = None) -> Bytes:
     """A picture file as blue green red, shape (height, width, 3).
 
+    Of 16 bits per channel the upper 8 that the camera filled are kept: many deliver 10 or 12 bits in 16.
     size_px: width and height that it must have; a picture of another size is refused before it is decoded.
     Raises SourceError when it cannot be read, is no picture, or has another size or more than MAX_SIDE_PX a side.
     """
@@ -55,15 +60,31 @@ def read_picture(path: Path, size_px: tuple[int, int] | None = None) -> Bytes:
     data = read_bytes(path, asked, SourceError, max_bytes=MAX_PICTURE_BYTES)
     check_picture_size(asked, data, size_px)
     try:
-        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
     except cv2.error:  # a header that OpenCV refuses
         image = None
     if image is None:
         raise SourceError(asked, found="a damaged picture", accepted=PICTURE_FORMATS)
+    if image.dtype == np.uint16:
+        image = _eight_bits(cast("NDArray[np.uint16]", image))
+    elif image.dtype != np.uint8:
+        raise SourceError(asked, found=f"{image.dtype} in each channel", accepted="8 or 16 bits")
     height, width, _ = image.shape
     if size_px is not None and (width, height) != size_px:  # a picture that its Exif data turn by a right angle
         raise _wrong_size(asked, (width, height), size_px)
     return cast("Bytes", image)
+
+
+def _eight_bits(image: NDArray[np.uint16]) -> Bytes:
+    """The upper 8 of the bits that a camera filled: all 16, or the lower 12 or 10 where no pixel has more.
+
+    A picture that is black even as one of 10 bits was taken with the lens cap on.
+    """
+    brightest = int(image.max())
+    filled = [bits for bits in FILLED_BITS if MIN_FILLED <= brightest < 2**bits]
+    bits = min(filled, default=16)
+    eight: Bytes = (image >> (bits - 8)).astype(np.uint8)
+    return eight
 
 
 def check_picture_size(asked: str, data: bytes, size_px: tuple[int, int] | None) -> None:

@@ -17,8 +17,8 @@ from vision_core.objects.robots.reasons import explain_robots
 from vision_core.objects.robots.scene import Scene
 from vision_core.pipeline.perception import Perception, perceive_picture
 from vision_core.regions.exposure import exposure_reasons, field_pixels
-from vision_core.regions.line_fit import shift_reasons
-from vision_core.regions.lines import line_reasons
+from vision_core.regions.picture_kind import kind_reasons
+from vision_core.regions.shift_words import calibration_reasons
 from vision_core.types.objects import Sightings
 from vision_core.types.reasons import Reason
 from vision_core.types.tables import SightingsTable, Table
@@ -46,10 +46,13 @@ def reasons_of(
 ) -> tuple[Reason, ...]:
     """What explains the sightings of the frame that was perceived last; empty when nothing is wrong.
 
-    Cheap reasons come first, the search among other patterns and sizes of markers last. Between two steps the clock
-    (None: the machine's) is compared with the deadline: after it no step begins, and the last reason is CUT_SHORT.
+    What is cheap is looked at first, other patterns and sizes of markers last. Between two steps the clock (None: the
+    machine's) is compared with the deadline: after it no step begins, and the last reason is CUT_SHORT. The reasons
+    that explain most come first, among equals those of the calibration.
     """
     settings, camera = perception.settings, perception.camera
+    if kind := kind_reasons(perception.raw):
+        return kind
     exposure = exposure_reasons(perception.raw, field_pixels(settings.field, camera.model, camera.size_px))
     if exposure:  # nothing else can be judged in such a picture
         return exposure
@@ -58,14 +61,11 @@ def reasons_of(
         lambda: (perception.lighting.light.reason,) if perception.lighting.light.reason else (),
         lambda: () if seen.complete else (OVERFLOW,),
         lambda: () if seen.robots and seen.balls else color_conflicts(perception),
-        lambda: (
-            line_reasons(perception.raw, settings.field, camera.model)
-            or shift_reasons(perception.raw, settings.field, camera.model)
-        ),
+        lambda: calibration_reasons(perception.raw, settings.field, camera),
         lambda: _ball_reasons(perception, seen),
         lambda: explain_robots(scene_of(perception), settings, budget.is_over),
     )
-    reasons = list(_until_over(steps, budget))
+    reasons = sorted(_until_over(steps, budget), key=lambda reason: (-reason.explains, not reason.is_calibration))
     return (*reasons, CUT_SHORT) if budget.was_exceeded else tuple(reasons)
 
 

@@ -134,12 +134,12 @@ def line_reasons(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> tu
     if check.outside > MAX_OUTSIDE:
         where = f"{check.outside:.0%} of the lines of field {field.name!r} lie outside of the picture"
         advice = "Choose the field preset of this field, or correct the camera's position."
-        return (Reason(f"{where}: the field preset or the camera position is wrong", advice),)
+        return (Reason(f"{where}: the field preset or the camera position is wrong", advice, is_calibration=True),)
     if check.found >= MIN_FOUND * check.known:
         return ()
     where = f"only {check.found} of {check.known} painted lines are where field {field.name!r} has them"
     advice = "Choose the preset of this field, or calibrate the camera; without painted lines set line_width_m = 0."
-    return (Reason(f"{where}: the field preset or the camera position is wrong", advice),)
+    return (Reason(f"{where}: the field preset or the camera position is wrong", advice, is_calibration=True),)
 
 
 def _inside(points: Floats, shape: tuple[int, ...]) -> Mask:

@@ -1,7 +1,10 @@
-"""Task: images -> whether the painted lines are where they should be: has the camera been bumped?"""
+"""Task: images -> whether the painted lines are where they should be: has the camera been bumped, and how?"""
+
+from dataclasses import replace
 
 from vision_core.geometry import Bytes
 from vision_core.regions.lines import line_check
+from vision_core.regions.shift_words import displaced_reasons
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.watching import watching
@@ -10,9 +13,10 @@ from vision_core.types.regions import LineCheck
 
 def start(handle: Handle) -> Step:
     """Make the camera's model."""
-    field, camera = handle.settings.field, handle.camera.model
+    field, setup = handle.settings.field, handle.camera
 
     def look(pixels: Bytes) -> LineCheck:
-        return line_check(pixels, field, camera)
+        check = line_check(pixels, field, setup.model)
+        return replace(check, reasons=displaced_reasons(pixels, field, setup))
 
     return watching(handle, records.lines(handle.camera.name), look)

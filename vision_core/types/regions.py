@@ -49,6 +49,8 @@ class LineCheck:
     """Median distance of the found lines from their places; None where none was found."""
     outside: float
     """Share of all lines' points that lie outside of the picture; 0 where none is painted."""
+    reasons: tuple[Reason, ...] = ()
+    """What is wrong with the calibration: which corner of the field is how far off."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ LIGHT_HOLD_S = 2.0
 """Several looks of the exposure check, which looks five times a second: a person under the camera passes."""
 MOVED_HOLD_S = 5.0
 """A dozen looks of the line check: robots and people hide lines for a moment."""
+MOVED = "the camera was moved, or the venue does not fit the field"
 MIN_LINES_FOUND = 0.3
 """Share of the painted lines that must be where the venue has them; some fields lack some of their preset's lines."""
 MAX_LINE_OFF_PX = 2.0
@@ -47,11 +48,18 @@ def _light(snapshot: ServiceSnapshot) -> Iterator[Cause]:
 
 
 def _moved(snapshot: ServiceSnapshot) -> Iterator[Cause]:
-    """Painted lines, or where none can be judged the carpet's boundary, are not where the venue has them."""
+    """What is wrong with the calibration: by the reasons of the checks, which say where and by how much, or by figures.
+
+    Painted lines, or where none can be judged the carpet's boundary, are not where the venue has them.
+    """
     line_check, boundary_check = snapshot.recent(records.lines), snapshot.recent(records.boundary)
     lines = line_check.value.found if line_check else None
     boundary = boundary_check.value.found if boundary_check else None
-    if lines and lines.known:
+    diagnosis = snapshot.recent(records.diagnosis)
+    explained = [reason for reason in diagnosis.value.reasons if reason.is_calibration] if diagnosis else []
+    if reason := next(iter((*explained, *(lines.reasons if lines else ()))), None):
+        yield Cause("camera moved", Subject.CAMERA, MOVED, reason.advice, reason.text, MOVED_HOLD_S)
+    elif lines and lines.known:
         if lines.found < MIN_LINES_FOUND * lines.known:
             found = f"{lines.found} of {lines.known} painted lines are where the venue has them"
             yield _camera_moved(found)
@@ -62,6 +70,5 @@ def _moved(snapshot: ServiceSnapshot) -> Iterator[Cause]:
 
 
 def _camera_moved(evidence: str) -> Cause:
-    text = "the camera was moved, or the venue does not fit the field"
     advice = "Put the camera back or calibrate it anew; on another field choose its venue."
-    return Cause("camera moved", Subject.CAMERA, text, advice, evidence, MOVED_HOLD_S)
+    return Cause("camera moved", Subject.CAMERA, MOVED, advice, evidence, MOVED_HOLD_S)
