@@ -36,6 +36,7 @@ from app.web.routes.clients import client_routes
 from app.web.routes.health import health_routes
 from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
+from app.web.routes.new_venue import new_venue_routes
 from app.web.routes.pages import lost_page, page_routes, static_files
 from app.web.routes.people import people_routes
 from app.web.routes.restart import restart_routes
@@ -114,6 +115,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(task_routes(blackboard, TaskChanges(configuration, service)))
     app.include_router(settings_routes(configuration, service))
     app.include_router(calibration_routes(blackboard, configuration))
+    app.include_router(new_venue_routes(blackboard, configuration))
     app.include_router(restart_routes(store, blackboard))
     app.include_router(team_routes(configuration, people.team_keys))
     app.include_router(match_routes(configuration))

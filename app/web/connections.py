@@ -19,7 +19,8 @@ FOR_OPERATORS = 32
 PER_ADDRESS = 96
 """Connections of one address; an IPv6 network counts as one."""
 REQUEST_S = 5.0
-"""For a whole request, from the connection or its first byte on."""
+"""For a whole request, from the connection or its first byte on; from the operator's address, for its next byte: who
+sends pictures over a slow network needs longer."""
 IDLE_S = 75
 """A connection without a request is closed after this time."""
 DESCRIPTORS = 1024
@@ -64,6 +65,8 @@ def guarded_protocol(operators: OperatorAddresses) -> type[H11Protocol]:
         def data_received(self, data: bytes) -> None:
             if not self.transport.is_closing():
                 super().data_received(data)
+                if self.client and self.client[0] in operators:
+                    self._stop()
                 self._watch()
 
         def on_response_complete(self) -> None:

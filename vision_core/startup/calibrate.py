@@ -1,7 +1,7 @@
 """Short process beside a running service: calibrates the camera by one picture.
 
 Standard input has a ``CalibrationJob`` as a line of JSON, then the picture's pixels, blue green red. Standard output
-gets a ``CalibrationStep`` per line; the last has the result or an error.
+gets a ``JobStep`` per line; the last has the ``Calibration`` or an error.
 """
 
 import os
@@ -11,13 +11,14 @@ from typing import IO
 import msgspec
 import numpy as np
 
-from vision_core.calibration.job import CalibrationJob, CalibrationStep
+from vision_core.calibration.job import CalibrationJob
 from vision_core.calibration.result import Calibration
 from vision_core.calibration.solve import calibrate, from_other_end
 from vision_core.calibration.start import Start, start_from_corners, start_from_settings
 from vision_core.errors import PslvError
 from vision_core.geometry import Bytes
 from vision_core.scheduling.attachment import end_with
+from vision_core.types.job_step import JobStep
 
 
 def main() -> None:
@@ -26,9 +27,9 @@ def main() -> None:
     job = msgspec.json.decode(sys.stdin.buffer.readline(), type=CalibrationJob)
     pixels = _picture(sys.stdin.buffer, job.size_px)
     try:
-        _tell(CalibrationStep("done", 1.0, run(job, pixels)))
+        _tell(JobStep.of(run(job, pixels)))
     except PslvError as error:
-        _tell(CalibrationStep("refused", 1.0, error=str(error)))
+        _tell(JobStep("refused", 1.0, error=str(error)))
 
 
 def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
@@ -39,7 +40,7 @@ def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
         _start(job),
         height_m=job.height_m,
         marker_height_m=job.settings.robots.height_m,
-        progress=lambda what, share: _tell(CalibrationStep(what, share)),
+        progress=lambda what, share: _tell(JobStep(what, share)),
     )
     return from_other_end(result) if job.swaps_ends else result
 
@@ -55,7 +56,7 @@ def _picture(source: IO[bytes], size_px: tuple[int, int]) -> Bytes:
     return np.frombuffer(source.read(width * height * 3), dtype=np.uint8).reshape(height, width, 3)
 
 
-def _tell(step: CalibrationStep) -> None:
+def _tell(step: JobStep) -> None:
     sys.stdout.buffer.write(step.encode())
     sys.stdout.flush()
 

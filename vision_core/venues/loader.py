@@ -9,7 +9,7 @@ below it, and the other way round. Every message names the file, line and key, w
 
 A name of another file (field, pattern, venue, pictures) is looked up in this order: a name that ends with ``.toml``,
 and the path of ``file:PATH``, is a path relative to the file that it stands in (on the command line: to the working
-folder); any other name is a shipped file of ``config/``.
+folder); any other name is a shipped file of ``config/`` or, of a venue, one of the data folder's ``venues``.
 """
 
 import logging
@@ -24,6 +24,7 @@ from typing import Any
 import msgspec
 
 from vision_core.errors import SettingsError
+from vision_core.native.kernel_folder import data_folder
 from vision_core.settings.layers import Layer, LayerKind, Table
 from vision_core.settings.schema import Settings
 from vision_core.user_files import read_text
@@ -48,7 +49,9 @@ __all__ = [
     "config_folder",
     "find_file",
     "layers_of",
+    "layers_of_text",
     "load_settings",
+    "own_venues_folder",
     "place_of",
     "read_layer",
     "settings_from_layers",
@@ -84,6 +87,11 @@ def config_folder() -> Path:
     return inside if inside.is_dir() else package.parent / "config"
 
 
+def own_venues_folder() -> Path:
+    """The folder of the venues that were set up on this machine, in the data folder; it need not exist."""
+    return data_folder() / "venues"
+
+
 def load_settings(
     venue: str | None = None, config: Path | None = None, options: Mapping[str, Any] | None = None
 ) -> Settings:
@@ -106,6 +114,11 @@ def layers_of(
         upper.append(read_layer(config, LayerKind.CONFIG))
     upper.append(Layer(OPTIONS, nested(options or {}), kind=LayerKind.OPTIONS))
     return _over_shipped(upper)
+
+
+def layers_of_text(path: Path, text: str) -> list[Layer]:
+    """All sources of values for a venue's file with this text, which need not be written yet. Raises SettingsError."""
+    return _over_shipped([_layer(path, text, LayerKind.VENUE), Layer(OPTIONS, {}, kind=LayerKind.OPTIONS)])
 
 
 def with_overlay(layers: Sequence[Layer], overlay: Mapping[str, Any]) -> list[Layer]:
@@ -181,23 +194,31 @@ def settings_from_layers(layers: Sequence[Layer], *, complete_palette: bool = Tr
 
 
 def find_file(kind: str, name: str) -> Path:
-    """A shipped file of config/<kind> by its name, or any file by a path that ends with .toml. Raises SettingsError."""
+    """A shipped file of config/<kind> or a venue of one's own by its name, or any file by a path that ends with .toml.
+
+    Raises SettingsError.
+    """
     if name.endswith(".toml"):
         return Path(name)
-    shipped = {path.stem: path for path in sorted((config_folder() / kind).glob("*.toml"))}
-    if name in shipped:
-        return shipped[name]
+    folders = [config_folder() / kind, *([own_venues_folder()] if kind == "venues" else [])]
+    known = {path.stem: path for folder in reversed(folders) for path in sorted(folder.glob("*.toml"))}
+    if name in known:
+        return known[name]
     raise SettingsError(
         f"{kind[:-1]} {name!r}",
         found="no such file",
-        accepted=f"{', '.join(shipped)}, or a path that ends with .toml",
+        accepted=f"{', '.join(sorted(known))}, or a path that ends with .toml",
     )
 
 
 def read_layer(path: Path, kind: LayerKind = LayerKind.CONFIG) -> Layer:
     """One TOML file, with keys by their present names and files by absolute paths. Raises SettingsError."""
+    text = read_text(path, f"configuration file {path}", SettingsError, max_bytes=MAX_FILE_BYTES)
+    return _layer(path, text, kind)
+
+
+def _layer(path: Path, text: str, kind: LayerKind) -> Layer:
     asked = f"configuration file {path}"
-    text = read_text(path, asked, SettingsError, max_bytes=MAX_FILE_BYTES)
     if LONG_KEY.search(text):
         raise SettingsError(asked, found=f"a key of more than {MAX_DEPTH} parts", accepted="keys of this file's kind")
     try:

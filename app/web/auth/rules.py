@@ -18,6 +18,8 @@ OPERATORS_READ = frozenset(
         "/api/v1/calibration/picture.png",
     }
 )
+OPERATORS_FOLDER = "/api/v1/new-venue"
+"""Everything of it is the operator's: pictures that somebody gave."""
 TEAMS_READ = frozenset({"/api/v1/me", "/api/v1/field", "/api/v1/match", "/live"})
 """What a team needs for its own page, where viewers are kept out."""
 
@@ -37,7 +39,7 @@ def need_of(method: str, path: str) -> Need:
     """What a request needs. method: of a WebSocket "GET"."""
     if path in OPEN_CHANGES:
         return Need.NOTHING
-    if method not in READING or path in OPERATORS_READ:
+    if method not in READING or path in OPERATORS_READ or path.startswith(OPERATORS_FOLDER):
         return Need.OPERATOR
     if path in TEAMS_READ:
         return Need.TEAM

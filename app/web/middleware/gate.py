@@ -22,11 +22,15 @@ from app.web.auth.rules import READING, Need, need_of
 from app.web.connections import OperatorAddresses
 from app.web.middleware.security_headers import is_same_origin
 from app.web.problems import cut, problem_response
+from vision_core.setup.folder import MAX_FILE_BYTES
 
 JSON = "application/json"
 MAX_BODY = 4096
 """Largest body of a request [bytes]."""
-MAX_BODIES = {"/api/v1/settings/import": 256 * 1024}
+MAX_BODIES = {"/api/v1/settings/import": 256 * 1024, "/api/v1/new-venue/pictures": MAX_FILE_BYTES}
+FILE = "application/octet-stream"
+"""Kind of a file's body: like JSON, no form of a foreign page can send it."""
+FILES = frozenset({"/api/v1/new-venue/pictures"})
 POLICY_VIOLATION = 1008
 BEARER = "bearer "
 HOW = "log in on the page, or send a token: `pslv token NAME` on the server makes one"
@@ -129,6 +133,7 @@ def _wrong_body(headers: Headers, path: str) -> tuple[HTTPStatus, str] | None:
     if not length.isdecimal() or int(length[:20]) > most:
         return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the request is longer than {most} bytes"
     kind = headers.get("content-type", "").partition(";")[0].strip().lower()
-    if length != "0" and kind != JSON:
-        return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"content type {cut(kind) or 'is missing'}; accepted: {JSON}"
+    accepted = FILE if path in FILES else JSON
+    if length != "0" and kind != accepted:
+        return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"content type {cut(kind) or 'is missing'}; accepted: {accepted}"
     return None

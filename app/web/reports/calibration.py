@@ -4,7 +4,8 @@ import math
 
 from msgspec import to_builtins
 
-from app.web.calibration.job import CameraCalibration, JobState
+from app.web.background import JobState
+from app.web.calibration.job import CameraCalibration
 from app.web.reports.base import Report
 
 Point = tuple[float, float]

@@ -1,0 +1,83 @@
+"""What there is to choose from: field presets and marker patterns that come with PSLV, and the colors of a pattern."""
+
+from collections.abc import Mapping
+
+import msgspec
+
+from vision_core.errors import SettingsError
+from vision_core.patterns.loader import Pattern, load_pattern, looks
+from vision_core.settings.schema import FieldSettings
+from vision_core.setup.draft import MAX_SAMPLES, NOTHING, Draft
+from vision_core.venues.loader import config_folder, find_file, read_layer
+
+
+def field_presets() -> dict[str, FieldSettings]:
+    """The shipped fields by the names of their files."""
+    return {name: field_of(name) for name in _shipped("fields")}
+
+
+def field_of(preset: str) -> FieldSettings:
+    """The measures of a field preset. Raises SettingsError."""
+    layer = read_layer(find_file("fields", preset))
+    try:
+        return msgspec.convert(layer.table.get("field"), FieldSettings)
+    except msgspec.ValidationError as error:
+        raise SettingsError(f"field {preset}", found=str(error), accepted="the table [field]") from None
+
+
+def pattern_choices() -> dict[str, Pattern]:
+    """The shipped patterns by the names of their files."""
+    return {name: load_pattern(name) for name in _shipped("patterns")}
+
+
+def with_preset(draft: Draft, preset: str) -> Draft:
+    """The draft with another field; a camera that was calibrated by the old one goes. Raises SettingsError."""
+    field = field_of(preset)
+    camera = draft.camera if draft.field == field else None
+    return msgspec.structs.replace(draft, preset=preset, field=field, camera=camera)
+
+
+def with_pattern(draft: Draft, name: str) -> Draft:
+    """The draft with another pattern, and the size of the robots that the pattern is made for. Raises SettingsError."""
+    robot = load_pattern(name).robot
+    return msgspec.structs.replace(draft, pattern=name, robot_radius_m=robot.radius_m, robot_height_m=robot.height_m)
+
+
+def needed_colors(draft: Draft) -> list[str]:
+    """The classes that the ball and the markers need, the ball's first."""
+    colors = dict.fromkeys([draft.ball_color])
+    if draft.pattern:
+        colors |= dict.fromkeys(color for _, _, worn in looks(load_pattern(draft.pattern)) for color in worn)
+    return list(colors)
+
+
+def missing_colors(draft: Draft) -> list[str]:
+    """Those of them that have no sample yet."""
+    return [color for color in needed_colors(draft) if not draft.samples.get(color)]
+
+
+def with_sample(draft: Draft, name: str, color: str) -> Draft:
+    """The draft with one more sample of a class. Raises SettingsError for a class that nothing has, or too many."""
+    accepted = [*needed_colors(draft), NOTHING]
+    if name not in accepted:
+        raise SettingsError(f"color class {name}", found="nothing wears it", accepted=", ".join(accepted))
+    samples: Mapping[str, tuple[str, ...]] = draft.samples
+    for other, colors in samples.items():
+        if other != name and color in colors:
+            raise SettingsError(f"{color} as {name}", found=f"a sample of {other}", accepted="each color in one class")
+    own = tuple(dict.fromkeys((*samples.get(name, ()), color)))
+    if len(own) > MAX_SAMPLES:
+        raise SettingsError(f"samples of {name}", found=str(len(own)), accepted=f"at most {MAX_SAMPLES}")
+    return msgspec.structs.replace(draft, samples={**samples, name: own})
+
+
+def without_sample(draft: Draft, name: str, color: str) -> Draft:
+    """The draft without a sample of a class."""
+    left = {
+        key: tuple(each for each in colors if (key, each) != (name, color)) for key, colors in draft.samples.items()
+    }
+    return msgspec.structs.replace(draft, samples={key: colors for key, colors in left.items() if colors})
+
+
+def _shipped(kind: str) -> list[str]:
+    return sorted(path.stem for path in (config_folder() / kind).glob("*.toml"))
