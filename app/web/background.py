@@ -1,4 +1,4 @@
-"""Runs work in a process of its own, at the lowest priority, so that the loop of the page never waits for it.
+"""Runs work in a process of its own, at a low priority, so that the loop of the page never waits for it.
 
 ``BackgroundJob`` has one job at a time, which says how far it is and can be cancelled. ``ask`` waits for a short one,
 in a thread of the caller.
@@ -14,9 +14,12 @@ from http import HTTPStatus
 from typing import IO
 
 from app.web.problems import RequestRefused
+from vision_core.errors import PslvError
 from vision_core.types.job_step import JobStep
 
 NO_RESULT = "its process ended without a result"
+LONG, SHORT = 10, 5
+"""Niceness of long jobs, and of those for which somebody waits."""
 PATIENCE_S = 60.0
 """For a short job: a loaded machine starts a process slowly."""
 
@@ -40,6 +43,7 @@ class BackgroundJob:
         """what: what messages call a job, "a calibration"."""
         self._what = what
         self._lock = threading.RLock()
+        self._is_busy = False
         self._process: subprocess.Popen[bytes] | None = None
         self.state = JobState.NONE
         self.step = JobStep("", 0.0)
@@ -58,44 +62,60 @@ class BackgroundJob:
         """
         with self._lock:
             self.check_idle()
-            with _readable(data) as source:
-                process = subprocess.Popen(_command(module), stdin=source, stdout=subprocess.PIPE, process_group=0)
-            self._process, self.state, self.step = process, JobState.RUNNING, JobStep("starting", 0.0)
-        threading.Thread(target=self._follow, args=(process, then), daemon=True).start()
+            self._is_busy, self.state, self.step = True, JobState.RUNNING, JobStep("starting", 0.0)
+        # The process ends with the thread that starts it, so that is one which follows it to its end.
+        threading.Thread(target=self._run, args=(module, data, then), daemon=True).start()
 
     def cancel(self) -> None:
         """End the job that runs, if one does."""
         with self._lock:
-            if self._process is not None:
+            if self._is_busy:
                 self.state = JobState.CANCELLED
-                self._process.kill()
+                if self._process is not None:
+                    self._process.kill()
 
     def check_idle(self) -> None:
         """Raise RequestRefused while a job runs."""
-        if self._process is not None:
+        if self._is_busy:
             accepted = "wait for it, or cancel it"
             raise RequestRefused(HTTPStatus.CONFLICT, self._what, found="one is under way", accepted=accepted)
 
-    def _follow(self, process: subprocess.Popen[bytes], then: Callable[[JobStep], None] | None) -> None:
-        """Take note of every line until the process ends."""
+    def _run(self, module: str, data: bytes, then: Callable[[JobStep], None] | None) -> None:
+        """Start the process, take note of its lines until it ends, and of what became of it."""
+        step = self.step
+        try:
+            step = self._followed(module, data)
+            with self._lock:
+                if then is not None and step.result is not None and self.state is JobState.RUNNING:
+                    then(step)
+        except (OSError, PslvError) as error:
+            step = JobStep(step.what, step.share, error=str(error))
+        with self._lock:
+            self._process, self._is_busy = None, False
+            if self.state is JobState.CANCELLED:
+                return
+            self.state = JobState.FAILED if step.error or step.result is None else JobState.DONE
+            if self.state is JobState.FAILED:
+                self.step = JobStep(step.what, step.share, error=step.error or NO_RESULT)
+
+    def _followed(self, module: str, data: bytes) -> JobStep:
+        """The last step of the job. Raises OSError when its process cannot be started."""
+        with _readable(data) as source, self._lock:
+            if self.state is JobState.CANCELLED:
+                return self.step
+            process = subprocess.Popen(_command(module, LONG), stdin=source, stdout=subprocess.PIPE, process_group=0)
+            self._process = process
         assert process.stdout is not None
         step = self.step
         try:
             for line in process.stdout:
                 self.step = step = JobStep.decode(line)
-        except ValueError:
+        except ValueError:  # no line of a job
             process.kill()
+            step = JobStep(step.what, step.share)
         process.wait()
         process.stdout.close()
-        with self._lock:
-            if then is not None and step.result is not None and self.state is JobState.RUNNING:
-                then(step)
-            self._process = None
-            if self.state is JobState.CANCELLED:
-                return
-            self.state = JobState.DONE if step.result is not None else JobState.FAILED
-            if self.state is JobState.FAILED and not step.error:
-                self.step = JobStep(step.what, step.share, error=NO_RESULT)
+        return step
 
 
 def ask(module: str, data: bytes, what: str) -> JobStep:
@@ -104,7 +124,9 @@ def ask(module: str, data: bytes, what: str) -> JobStep:
     module: run as a program; data: its standard input; what: what messages call it.
     """
     try:
-        done = subprocess.run(_command(module), input=data, stdout=subprocess.PIPE, check=False, timeout=PATIENCE_S)
+        done = subprocess.run(
+            _command(module, SHORT), input=data, stdout=subprocess.PIPE, check=False, timeout=PATIENCE_S
+        )
         *_, last = done.stdout.splitlines()
         step = JobStep.decode(last)
     except subprocess.TimeoutExpired:
@@ -117,8 +139,8 @@ def ask(module: str, data: bytes, what: str) -> JobStep:
     return step
 
 
-def _command(module: str) -> tuple[str, ...]:
-    return "nice", "-n", "19", sys.executable, "-m", module
+def _command(module: str, niceness: int) -> tuple[str, ...]:
+    return "nice", "-n", str(niceness), sys.executable, "-m", module
 
 
 def _readable(data: bytes) -> IO[bytes]:

@@ -123,8 +123,9 @@ def judged(scene: Scene, lens: Lens, measured: Measured | None, reasons: tuple[R
         covariance = measured.fit.covariance(scene.prior)
     heights = 0.0, scene.marker_height_m
     floor, marker = (place_error_m(lens, covariance, scene.grid_m, scene.size_px, height) for height in heights)
-    rms = float("nan") if measured is None else float(np.sqrt((measured.sights.distances(lens) ** 2).mean()))
-    spanned = 0.0 if measured is None else hull_area(measured.sights.points_m)
+    has_sights = measured is not None and len(measured.sights) > 0
+    rms = float(np.sqrt((measured.sights.distances(lens) ** 2).mean())) if measured and has_sights else float("nan")
+    spanned = hull_area(measured.sights.points_m) if measured and has_sights else 0.0
     result = Calibration(
         camera=lens.settings(),
         size_px=scene.size_px,

@@ -30,6 +30,8 @@ MAX_WIDTH_ERROR, MAX_WIDTH_ERROR_PX = 0.35, 1.6
 """Both edges belong to one line when their distance differs from its width by no more than this."""
 MAX_WIDER_PX, MIN_AGREEING, AS_SAID = 4.0, 12, 0.5
 """Lines may all be so much wider than the settings say, when so many sections show it and most are not as said."""
+WIDEST = 0.25
+"""A line that would be wider than twice this share of the picture is none: the lens that says so has gone astray."""
 THIN_PX = 1.3
 """Lines of at most this width are measured by their centroid."""
 EDGE_REACH, STEEPEST = 15, 200
@@ -89,7 +91,9 @@ def find_edges(luma: FloatImage, sections: Placed, reach_px: float, *, steps: bo
 
     steps: of lines along walls, a single step from carpet to paint and wall is enough.
     """
-    half = np.where(np.isfinite(sections.half_px), sections.half_px, 1.0)
+    with np.errstate(invalid="ignore"):
+        sane = sections.half_px <= WIDEST * max(luma.shape)
+    half = np.where(sane, sections.half_px, 1.0)
     limit = reach_px + 2.0 * half.max(initial=0.0) + MAX_WIDER_PX + 2.0
     offsets = np.arange(-np.ceil(limit / STEP_PX), np.ceil(limit / STEP_PX) + 1.0) * STEP_PX
     profiles = _profiles(luma, sections, offsets)
@@ -101,7 +105,7 @@ def find_edges(luma: FloatImage, sections: Placed, reach_px: float, *, steps: bo
     is_right, is_left = (
         side_step >= np.maximum(MIN_SIDE * step, MIN_CONTRAST) for side_step in (right_step, left_step)
     )
-    usable = contrast >= MIN_CONTRAST
+    usable = sane & (contrast >= MIN_CONTRAST)
     both = usable & is_right & is_left
     wider = width - 2.0 * half
     limits = np.maximum(MAX_WIDTH_ERROR * 2.0 * half, MAX_WIDTH_ERROR_PX)
@@ -114,7 +118,7 @@ def find_edges(luma: FloatImage, sections: Placed, reach_px: float, *, steps: bo
     offset = np.where(single == 1, right - half - excess, offset)
     offset = np.where(single == -1, -(left - half - excess), offset)
     for side in (1, -1) if steps else ():
-        own = np.flatnonzero(np.isnan(offset) & (sections.inward == side))
+        own = np.flatnonzero(sane & np.isnan(offset) & (sections.inward == side))
         offset[own] = side * _step(profiles[own, ::side], half[own], offsets, reach_px)
         single[own] = side
     offset = np.where(np.abs(offset) <= reach_px, offset, np.nan)

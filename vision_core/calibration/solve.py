@@ -67,6 +67,7 @@ def calibrate(
     height_m: float | None = None,
     frees_measures: bool = False,
     marker_height_m: float = 0.0,
+    advises: bool = True,
     progress: Progress = no_progress,
 ) -> Calibration:
     """Calibrate one camera by the painted lines in one or more of its pictures.
@@ -74,12 +75,12 @@ def calibrate(
     pictures: shape (height, width, 3) each, of one size; start: a camera that shows the lines at most a sixth of the
     picture beside their places; None: the field is searched, which must be wholly visible, and height_m is the camera's
     height by tape measure, if somebody measured it; frees_measures: the field's measures, except its length, are
-    estimates that are solved as well; marker_height_m: of the robots. What is refused says so in its reasons. Raises
-    what progress raises.
+    estimates that are solved as well; marker_height_m: of the robots; advises: if it is refused, other measures of the
+    field are tried, which takes as long again. What is refused says so in its reasons. Raises what progress raises.
     """
     arguments = height_m, marker_height_m, progress
     result = _calibrate(pictures, field, start, frees_measures, *arguments)
-    if result.accepted or frees_measures or not result.samples:
+    if result.accepted or frees_measures or not advises or not result.samples:
         return result
     progress("trying other measures of the field", 1.0)
     other = _calibrate(pictures, field, start, True, height_m, marker_height_m, no_progress)

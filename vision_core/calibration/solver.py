@@ -90,8 +90,12 @@ class Fit:
         return float(sizes[-1] / max(sizes[0], 1e-300))
 
     def covariance(self, prior: Prior) -> Floats:
-        """Of the parameters in their own units, shape (17, 17)."""
-        covariance: Floats = np.linalg.inv(self.information) * np.outer(prior.deviations, prior.deviations)
+        """Of the parameters in their own units, shape (17, 17); infinite where the sights do not tell them at all."""
+        try:
+            inverse = np.linalg.inv(self.information)
+        except np.linalg.LinAlgError:
+            inverse = np.full((COUNT, COUNT), np.inf)
+        covariance: Floats = inverse * np.outer(prior.deviations, prior.deviations)
         return covariance
 
 

@@ -29,7 +29,7 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
     """
     perception = Perception(settings, CameraSetup.from_settings(settings))
     if draw is not None:
-        _make_folder(draw)
+        make_folder(draw)
     for file in files:
         try:
             yield detect_still(file, perception, draw)
@@ -62,7 +62,8 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
     return table
 
 
-def _make_folder(folder: Path) -> None:
+def make_folder(folder: Path) -> None:
+    """Make a folder for overlays, unless it is there. Raises SourceError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

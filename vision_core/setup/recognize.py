@@ -32,7 +32,7 @@ def recognize_field(
         if field.line_width_m <= 0.0:
             continue
         seen = pictures[:MAX_SEARCHED]
-        found = calibrate(seen, field, None, height_m=height_m, marker_height_m=marker_height_m)
+        found = calibrate(seen, field, None, height_m=height_m, marker_height_m=marker_height_m, advises=False)
         trials.append(FieldTrial(name, trial_of(found, field, pictures[0], len(seen)), painted_share(found.lines)))
     progress("done", 1.0)
     return tuple(sorted(trials, key=lambda one: (one.camera.camera is None, -one.painted)))

@@ -6,7 +6,7 @@ from typing import Any
 
 from vision_core.calibration.result import Progress
 from vision_core.errors import PslvError
-from vision_core.evaluation.stills import detect_still
+from vision_core.evaluation.stills import detect_still, make_folder
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import Settings
@@ -18,8 +18,10 @@ def try_venue(
 ) -> VenueTrial:
     """Judge pictures with a venue's settings, and with those in use; overlays go into a folder.
 
-    Raises SettingsError for settings that perception refuses, and what progress raises.
+    Raises SettingsError for settings that perception refuses, SourceError when the folder cannot be made, and what
+    progress raises.
     """
+    make_folder(folder)
     why_not = _why_not(settings, in_use)
     compared = [settings, *([in_use] if in_use is not None and not why_not else [])]
     trials: list[tuple[PictureTrial, ...]] = []

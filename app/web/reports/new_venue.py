@@ -118,7 +118,7 @@ class VenueTrialReport(Report):
     """What is seen with the venue."""
 
     is_current: bool
-    """It is of the draft as it is now."""
+    """It is what the draft as it is now sees."""
     pictures: list[PictureTrialReport]
     why_not_before: str
     """Why there is nothing to compare with; empty where there is."""
@@ -370,7 +370,7 @@ def _trial(desk: Desk) -> VenueTrialReport | None:
         return None
     of, trial = found
     return VenueTrialReport(
-        is_current=of == desk.drafts.number,
+        is_current=desk.is_tried(of),
         pictures=[_picture(trial, index) for index in range(len(trial.pictures))],
         why_not_before=trial.why_not_before,
     )

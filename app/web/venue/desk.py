@@ -139,6 +139,11 @@ class Desk:
         draft = self.drafts.draft_of(number)
         return draft is not None and draft.field == self.draft.field and self.is_of_these_pictures(number)
 
+    def is_tried(self, number: int) -> bool:
+        """Does a draft that was tried see what the present one sees? Names change nothing of that."""
+        draft = self.drafts.draft_of(number)
+        return draft is not None and _seen_with(draft) == _seen_with(self.draft)
+
     def is_of_these_pictures(self, number: int) -> bool:
         """Was a draft made of pictures that the present one still has?"""
         draft = self.drafts.draft_of(number)
@@ -211,6 +216,11 @@ class Desk:
             asked, found_words, accepted = _parts(step.error, what)
             raise RequestRefused(HTTPStatus.UNPROCESSABLE_ENTITY, asked, found=found_words, accepted=accepted)
         return found
+
+
+def _seen_with(draft: Draft) -> Draft:
+    """What of a draft decides what is seen."""
+    return msgspec.structs.replace(draft, name=Draft().name, about="", source="")
 
 
 @contextmanager

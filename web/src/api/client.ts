@@ -18,14 +18,14 @@ export class ApiError extends Error {
 
 type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
 
-async function request<T>(method: Method, path: string, body?: unknown): Promise<T> {
+function request<T>(method: Method, path: string, body?: unknown): Promise<T> {
+  return send<T>(method, path, body === undefined ? {} : { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+}
+
+async function send<T>(method: Method, path: string, content: Pick<RequestInit, "headers" | "body">): Promise<T> {
   let answer: Response;
   try {
-    answer = await fetch(path, {
-      method,
-      credentials: "same-origin",
-      ...(body === undefined ? {} : { headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }),
-    });
+    answer = await fetch(path, { method, credentials: "same-origin", ...content });
   } catch {
     throw new ApiError(0, problemOf(0, "The service does not answer. Nothing was changed; try again when it is back."));
   }
@@ -53,4 +53,5 @@ export const api = {
   put: <T>(path: string, body: unknown) => request<T>("PUT", `/api/v1${path}`, body),
   patch: <T>(path: string, body: unknown) => request<T>("PATCH", `/api/v1${path}`, body),
   delete: <T>(path: string) => request<T>("DELETE", `/api/v1${path}`),
+  file: <T>(path: string, file: Blob) => send<T>("POST", `/api/v1${path}`, { headers: { "Content-Type": "application/octet-stream" }, body: file }),
 };

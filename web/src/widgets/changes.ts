@@ -4,6 +4,8 @@ import { api, ApiError } from "../api/client";
 import type { Change } from "../api/types";
 import { complain, say } from "./toasts";
 
+const MAX_NAMED = 6; // more settings are counted
+
 /** Make a change; returns it, or null when it was refused: onField(field, words) takes what a form is to show. */
 export async function make(
   request: Promise<Change>,
@@ -12,7 +14,9 @@ export async function make(
 ): Promise<Change | null> {
   try {
     const change = await request;
-    const later = change.needs_restart?.length ? ` It takes effect with the next start of the service: ${change.needs_restart.join(", ")}.` : "";
+    const waits = change.needs_restart ?? [];
+    const named = waits.length > MAX_NAMED ? `${waits.length} settings` : waits.join(", ");
+    const later = waits.length ? ` It takes effect with the next start of the service: ${named}.` : "";
     if (!change.entries.length) say(`${words}: nothing differs from before.`);
     else say(`${words}.${later}`, { label: "Undo", run: () => void undo(change.revision) });
     return change;
