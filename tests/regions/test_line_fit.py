@@ -13,10 +13,10 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import painted_points
 from vision_core.native.opencv import draw_line
 from vision_core.regions.line_fit import line_shifts
-from vision_core.regions.other_fields import shipped_fields
 from vision_core.regions.shift_words import calibration_reasons, displaced_reasons
 from vision_core.settings.schema import FieldSettings, HomographySettings, NamedPoint, PinholeSettings
 from vision_core.venues.loader import load_settings
+from vision_core.venues.presets import shipped_fields
 
 SETTINGS = load_settings()
 FIELD = SETTINGS.field

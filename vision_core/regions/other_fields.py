@@ -1,9 +1,5 @@
 """Are the painted lines those of another field than the venue's? Slow, and never on the hot path."""
 
-from functools import cache
-
-import msgspec
-
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
 from vision_core.models.camera import CameraModel
@@ -11,7 +7,7 @@ from vision_core.regions.lines import line_check
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.reasons import Reason
 from vision_core.types.regions import LineCheck
-from vision_core.venues.loader import config_folder, read_layer
+from vision_core.venues.presets import shipped_fields
 
 MIN_OWN = 0.8
 """Where such a share of the own lines is seen, no other field is tried."""
@@ -19,13 +15,6 @@ MIN_LINES, MIN_FOUND, MAX_OUTSIDE = 6, 0.75, 0.4
 """Another field fits when so many of its lines are seen, and such a share of them; most of them lie in the picture."""
 MIN_GAIN = 4
 """It explains so many lines more than the own one."""
-
-
-@cache
-def shipped_fields() -> dict[str, FieldSettings]:
-    """The presets of config/fields by their names."""
-    files = sorted((config_folder() / "fields").glob("*.toml"))
-    return {file.stem: msgspec.convert(read_layer(file).table["field"], FieldSettings) for file in files}
 
 
 def other_field_reason(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Reason | None:

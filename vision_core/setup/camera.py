@@ -13,9 +13,10 @@ from vision_core.color.light import field_samples, reference_of
 from vision_core.errors import PslvError, SettingsError
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
+from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent, field_segments, painted_points
-from vision_core.regions.line_fit import shift_reasons
-from vision_core.settings.schema import FieldSettings, HomographySettings, NamedPoint
+from vision_core.regions.shift_words import calibration_reasons
+from vision_core.settings.schema import FieldSettings, HomographySettings, NamedPoint, Settings
 from vision_core.setup.draft import Draft, DraftCamera
 from vision_core.setup.findings import CameraTrial
 from vision_core.setup.jobs import CameraWish
@@ -28,6 +29,7 @@ CARPET_BAND = (0.25, 0.75)
 USUAL_ERROR = 0.3
 """A height that follows from a usual lens may be wrong by this share."""
 POINTS_PER_LINE = 40
+ANY_PATTERN = "ssl-standard"
 
 
 def find_camera(draft: Draft, pictures: Sequence[Bytes], wish: CameraWish, progress: Progress) -> CameraTrial:
@@ -101,9 +103,13 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
     notes = _wall_notes(draft, field, model, wish.height_m)
     how = " ".join(["Named points: the four corners of the field, as somebody dragged them.", *notes])
     camera = DraftCamera("homography", size, how, _reference(pixels, model, field), homography=homography)
-    beside = shift_reasons(pixels, field, model) if field.line_width_m > 0.0 else ()
-    notes += tuple(f"{reason.text}. {reason.advice}" for reason in beside)
-    reasons = _refusals(msgspec.structs.replace(draft, camera=camera))
+    reasons: tuple[Reason, ...] = ()
+    try:
+        settings = _settings_with(draft, camera)
+        if field.line_width_m > 0.0:
+            notes += tuple(map(str, calibration_reasons(pixels, field, CameraSetup.from_settings(settings))))
+    except PslvError as error:
+        reasons = (Reason(f"{error.asked}: {error.found}", f"Accepted: {error.accepted}."),)
     lines = _drawn(field, model)
     return CameraTrial(None if reasons else camera, {}, reasons, notes, lines, height_m, calibration=None)
 
@@ -142,15 +148,9 @@ def _wall_notes(draft: Draft, field: FieldSettings, model: CameraModel, height_m
     return tuple(notes)
 
 
-def _refusals(draft: Draft) -> tuple[Reason, ...]:
-    """What the rules of the settings say against a camera."""
-    if not draft.pattern:
-        draft = msgspec.structs.replace(draft, pattern="ssl-standard")
-    try:
-        settings_of(draft)
-    except PslvError as error:
-        return (Reason(f"{error.asked}: {error.found}", f"Accepted: {error.accepted}."),)
-    return ()
+def _settings_with(draft: Draft, camera: DraftCamera) -> Settings:
+    """The settings with a camera; markers that were not chosen yet are taken to be any. Raises SettingsError."""
+    return settings_of(msgspec.structs.replace(draft, camera=camera, pattern=draft.pattern or ANY_PATTERN))
 
 
 def _drawn(field: FieldSettings, model: CameraModel) -> tuple[LineResult, ...]:

@@ -1,4 +1,4 @@
-"""What there is to choose from: field presets and marker patterns that come with PSLV, and the colors of a pattern."""
+"""Choices of a new venue: field, marker pattern, and the colors that both need."""
 
 from collections.abc import Mapping
 
@@ -6,28 +6,13 @@ import msgspec
 
 from vision_core.errors import SettingsError
 from vision_core.patterns.loader import Pattern, load_pattern, looks
-from vision_core.settings.schema import FieldSettings
 from vision_core.setup.draft import MAX_SAMPLES, NOTHING, Draft
-from vision_core.venues.loader import config_folder, find_file, read_layer
-
-
-def field_presets() -> dict[str, FieldSettings]:
-    """The shipped fields by the names of their files."""
-    return {name: field_of(name) for name in _shipped("fields")}
-
-
-def field_of(preset: str) -> FieldSettings:
-    """The measures of a field preset. Raises SettingsError."""
-    layer = read_layer(find_file("fields", preset))
-    try:
-        return msgspec.convert(layer.table.get("field"), FieldSettings)
-    except msgspec.ValidationError as error:
-        raise SettingsError(f"field {preset}", found=str(error), accepted="the table [field]") from None
+from vision_core.venues.presets import field_of, shipped
 
 
 def pattern_choices() -> dict[str, Pattern]:
     """The shipped patterns by the names of their files."""
-    return {name: load_pattern(name) for name in _shipped("patterns")}
+    return {name: load_pattern(name) for name in shipped("patterns")}
 
 
 def with_preset(draft: Draft, preset: str) -> Draft:
@@ -77,7 +62,3 @@ def without_sample(draft: Draft, name: str, color: str) -> Draft:
         key: tuple(each for each in colors if (key, each) != (name, color)) for key, colors in draft.samples.items()
     }
     return msgspec.structs.replace(draft, samples={key: colors for key, colors in left.items() if colors})
-
-
-def _shipped(kind: str) -> list[str]:
-    return sorted(path.stem for path in (config_folder() / kind).glob("*.toml"))

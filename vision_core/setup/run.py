@@ -6,14 +6,15 @@ from vision_core.calibration.result import Progress
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
 from vision_core.native.opencv import encode_jpeg, encode_png, read_picture, shrink
+from vision_core.regions.picture_kind import kind_reasons
 from vision_core.setup.camera import find_camera
-from vision_core.setup.choices import field_presets
 from vision_core.setup.colors import class_map, sample_at
 from vision_core.setup.findings import ClassMap, Looked
 from vision_core.setup.jobs import FindCamera, Look, MapClasses, Recognize, Sample, SetupJob, Show
 from vision_core.setup.recognize import recognize_field
 from vision_core.setup.trial import try_venue
 from vision_core.setup.venue_file import settings_of
+from vision_core.venues.presets import shipped_fields
 
 SHOWN_QUALITY = 92
 
@@ -29,7 +30,7 @@ def run(job: SetupJob, progress: Progress) -> object:
         case Recognize():
             return recognize_field(
                 _read(job.pictures),
-                field_presets(),
+                shipped_fields(),
                 marker_height_m=job.marker_height_m,
                 height_m=job.height_m,
                 progress=progress,
@@ -49,7 +50,7 @@ def run(job: SetupJob, progress: Progress) -> object:
 def look_at(path: Path, name: str, size_px: tuple[int, int] | None) -> Looked:
     """Size of a picture. name: what messages call it; size_px: width and height that it must have; None: any.
 
-    Raises SourceError when it cannot be read, or has another size.
+    Raises SourceError when it cannot be read, has another size, or is none in color.
     """
     try:
         pixels = read_picture(path)
@@ -59,6 +60,8 @@ def look_at(path: Path, name: str, size_px: tuple[int, int] | None) -> Looked:
     if size_px is not None and size != size_px:
         accepted = f"{size_px[0]}x{size_px[1]} as the first picture: one camera, at one resolution"
         raise SourceError(f"picture {name}", found=f"{size[0]}x{size[1]} px", accepted=accepted)
+    for reason in kind_reasons(pixels):
+        raise SourceError(f"picture {name}", found=reason.text, accepted=f"a picture in color. {reason.advice}")
     return Looked(*size)
 
 

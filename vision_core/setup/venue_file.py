@@ -13,11 +13,12 @@ import msgspec
 
 from vision_core.errors import SettingsError
 from vision_core.settings.schema import FieldSettings, Settings
-from vision_core.setup.choices import field_of, missing_colors
+from vision_core.setup.choices import missing_colors
 from vision_core.setup.draft import Draft, DraftCamera
 from vision_core.venues.camera_edit import camera_tables
 from vision_core.venues.loader import config_folder, layers_of_text, own_venues_folder, settings_from_layers
 from vision_core.venues.palette_edit import sample_line
+from vision_core.venues.presets import field_of
 
 PICTURES = "pictures"
 """As a draft's source: the given pictures are played."""

@@ -133,7 +133,8 @@ def _wrong_body(headers: Headers, path: str) -> tuple[HTTPStatus, str] | None:
     if not length.isdecimal() or int(length[:20]) > most:
         return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the request is longer than {most} bytes"
     kind = headers.get("content-type", "").partition(";")[0].strip().lower()
-    accepted = FILE if path in FILES else JSON
-    if length != "0" and kind != accepted:
-        return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"content type {cut(kind) or 'is missing'}; accepted: {accepted}"
+    accepted = (JSON, FILE) if path in FILES else (JSON,)
+    if length != "0" and kind not in accepted:
+        words = " or ".join(accepted)
+        return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"content type {cut(kind) or 'is missing'}; accepted: {words}"
     return None

@@ -8,10 +8,11 @@ from app.web.reports.calibration import LineReport, Point, ReasonReport
 from app.web.venue.desk import Desk
 from vision_core.patterns.loader import Pattern
 from vision_core.settings.schema import FieldSettings
-from vision_core.setup.choices import field_of, field_presets, missing_colors, needed_colors, pattern_choices
+from vision_core.setup.choices import missing_colors, needed_colors, pattern_choices
 from vision_core.setup.draft import Draft
 from vision_core.setup.findings import CameraTrial, FieldTrial, PictureTrial, VenueTrial, painted_share
 from vision_core.venues.loader import own_venues_folder
+from vision_core.venues.presets import field_of, shipped_fields
 
 
 class GoalMeasures(Report):
@@ -239,7 +240,7 @@ class DifferenceReport(Report):
 def choices_from() -> ChoicesReport:
     """Presets and patterns."""
     return ChoicesReport(
-        fields=[FieldChoice(preset=name, measures=_measures(field)) for name, field in field_presets().items()],
+        fields=[FieldChoice(preset=name, measures=_measures(field)) for name, field in shipped_fields().items()],
         patterns=[_pattern(name, pattern) for name, pattern in pattern_choices().items()],
     )
 

@@ -3821,7 +3821,7 @@ export interface components {
         VenueTrialReport: {
             /**
              * Is Current
-             * @description It is of the draft as it is now.
+             * @description It is what the draft as it is now sees.
              */
             is_current: boolean;
             /** Pictures */

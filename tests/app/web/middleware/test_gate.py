@@ -48,6 +48,7 @@ def operations(address: str) -> list[tuple[str, str]]:
         "{slug}": "cgn",
         "{name}": "serve",
         "{address}": "10.0.0.1",
+        "{index}": "0",
     }
 
     def filled(path: str) -> str:
@@ -121,9 +122,14 @@ def test_changes_come_as_json_and_in_few_words(address: str, service: FakeServic
     for kind in ("text/plain", "application/x-www-form-urlencoded", ""):
         answer = httpx.post(url, content=b"{}", headers={**service.operator, "content-type": kind})
         assert answer.status_code == 415, kind
+    octets = {**service.operator, "content-type": "application/octet-stream"}
+    assert httpx.post(url, content=b"{}", headers=octets).status_code == 415
     headers = {**service.operator, "content-type": "application/json"}
     assert httpx.post(url, content=b" " * 5000, headers=headers).status_code == 413
     assert httpx.post(url, content=iter([b"{}"]), headers=headers).status_code == 411
+    pictures = f"http://{address}/api/v1/new-venue/pictures?name=large.png"
+    assert httpx.post(pictures, content=b" " * 5000, headers=octets).status_code == 422, "a file may be longer"
+    assert httpx.post(pictures, content=bytes(33 << 20), headers=octets).status_code == 413
 
 
 def test_a_session_is_a_cookie_that_scripts_cannot_read(address: str, people: People) -> None:
