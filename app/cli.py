@@ -22,12 +22,14 @@ from app.commands.serve import serve
 from app.commands.support_bundle import support_bundle
 from app.commands.tasks import tasks
 from app.commands.top import top
+from app.commands.venue import venue_app
 from vision_core.errors import PslvError
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False
 )
 app.add_typer(config_app, name="config")
+app.add_typer(venue_app, name="venue")
 app.add_typer(calibrate_app, name="calibrate")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")

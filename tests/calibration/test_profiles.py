@@ -64,3 +64,9 @@ def test_lines_that_are_all_wider_than_said_are_found() -> None:
 
 def test_bare_carpet_shows_none() -> None:
     assert not find_edges(np.full((HEIGHT, WIDTH), 60.0, dtype=np.float32), across(30.0, 3.0), 3.0).found.any()
+
+
+@pytest.mark.parametrize("width_px", [1e4, 1e15, np.inf, np.nan])
+def test_a_lens_that_has_gone_astray_finds_nothing(width_px: float) -> None:
+    edges = find_edges(vertical_line(30.0, 3.0), across(30.0, width_px), 3.0, steps=True)
+    assert np.isnan(edges.offset_px).all()

@@ -12,7 +12,7 @@ from vision_core.calibration.start import Start, start_from_corners, start_from_
 from vision_core.color.light import field_samples, reference_of
 from vision_core.errors import PslvError, SettingsError
 from vision_core.geometry import Bytes, Floats
-from vision_core.models.camera import CameraModel, HomographyCamera, PinholeCamera
+from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent, field_segments, painted_points
 from vision_core.regions.shift_words import calibration_reasons
@@ -99,19 +99,18 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
         for name, (x, y), (u, v) in zip(NAMES, corners.tolist(), places.tolist(), strict=True)
     )
     homography = HomographySettings(points=points, position_m=(x_m, y_m, height_m))
-    model = HomographyCamera(corners, places, homography.position_m)
-    notes = _wall_notes(draft, field, model, wish.height_m)
-    how = " ".join(["Named points: the four corners of the field, as somebody dragged them.", *notes])
-    camera = DraftCamera("homography", size, how, _reference(pixels, model, field), homography=homography)
-    reasons: tuple[Reason, ...] = ()
+    camera = DraftCamera("homography", size, "", (0.0, 0.0, 0.0), homography=homography)
     try:
-        settings = _settings_with(draft, camera)
-        if field.line_width_m > 0.0:
-            notes += tuple(map(str, calibration_reasons(pixels, field, CameraSetup.from_settings(settings))))
+        setup = CameraSetup.from_settings(_settings_with(draft, camera))
     except PslvError as error:
-        reasons = (Reason(f"{error.asked}: {error.found}", f"Accepted: {error.accepted}."),)
-    lines = _drawn(field, model)
-    return CameraTrial(None if reasons else camera, {}, reasons, notes, lines, height_m, calibration=None)
+        reason = Reason(f"{error.asked.rpartition(': ')[2]}: {error.found}", f"Accepted: {error.accepted}.")
+        return CameraTrial(None, {}, (reason,), (), (), height_m, calibration=None)
+    notes = _wall_notes(draft, field, setup.model, wish.height_m)
+    how = " ".join(["Named points: the four corners of the field, as somebody dragged them.", *notes])
+    camera = msgspec.structs.replace(camera, how=how, reference_bgr=_reference(pixels, setup.model, field))
+    if field.line_width_m > 0.0:
+        notes += tuple(map(str, calibration_reasons(pixels, field, setup)))
+    return CameraTrial(camera, {}, (), notes, _drawn(field, setup.model), height_m, calibration=None)
 
 
 def _start(wish: CameraWish, field: FieldSettings, size_px: tuple[int, int]) -> Start | None:

@@ -11,8 +11,9 @@ from vision_core.errors import SettingsError
 from vision_core.evaluation.overlay import draw_classes
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
+from vision_core.native.opencv import encode_png
 from vision_core.setup.draft import Draft
-from vision_core.setup.findings import Sampled
+from vision_core.setup.findings import ClassMap, Sampled
 from vision_core.setup.venue_file import settings_of
 
 
@@ -32,15 +33,15 @@ def sample_at(draft: Draft, pixels: Bytes, place_px: tuple[int, int], radius_px:
     return Sampled(hex_from_bgr(median.tolist()), in_words(median))
 
 
-def class_map(draft: Draft, pixels: Bytes) -> tuple[Bytes, dict[str, float], dict[str, str]]:
-    """The class of every pixel as a picture, shape as pixels; the share of the picture and the drawn color by class."""
+def class_map(draft: Draft, pixels: Bytes) -> ClassMap:
+    """The class of every pixel. pixels: shape (height, width, 3), of the draft's size. Raises SettingsError."""
     table = compile_color_table(settings_of(draft).colors)
     lit = lit_picture(draft, pixels)
     counts = np.bincount(table.classes_of(lit).ravel(), minlength=len(table.names))
     named = {name: number for number, name in enumerate(table.names) if number}
     shares = {name: float(counts[number] / counts.sum()) for name, number in named.items()}
     colors = {name: hex_from_bgr(table.mean_bgr[number].tolist()) for name, number in named.items()}
-    return draw_classes(lit, table), shares, colors
+    return ClassMap(encode_png(draw_classes(lit, table)), shares, colors)
 
 
 def lit_picture(draft: Draft, pixels: Bytes) -> Bytes:

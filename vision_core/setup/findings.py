@@ -46,6 +46,16 @@ class FieldTrial(Struct, frozen=True):
     """Share of the preset's lines, by their length in the picture, that show paint at their places."""
 
 
+class ClassMap(Struct, frozen=True):
+    """The class of every pixel, and how much of the picture each class has."""
+
+    pixels: bytes
+    """PNG."""
+    shares: dict[str, float]
+    colors: dict[str, str]
+    """In which each class is drawn, #rrggbb."""
+
+
 class Sampled(Struct, frozen=True):
     """A color of a picture, as the venue's light would show it."""
 
@@ -55,14 +65,11 @@ class Sampled(Struct, frozen=True):
     """The color in the units of all color spaces."""
 
 
-class ClassMap(Struct, frozen=True):
-    """The class of every pixel, and how much of the picture each class has."""
+class Picked(Struct, frozen=True):
+    """A color that was added to a class, and what the classes are with it."""
 
-    pixels: bytes
-    """PNG."""
-    shares: dict[str, float]
-    colors: dict[str, str]
-    """In which each class is drawn, #rrggbb."""
+    sampled: Sampled
+    classes: ClassMap
 
 
 class SeenRobot(Struct, frozen=True):

@@ -61,13 +61,15 @@ class FindCamera(Struct, frozen=True, tag=True):
     wish: CameraWish
 
 
-class Sample(Struct, frozen=True, tag=True):
-    """A color of a picture: a ``Sampled``."""
+class Pick(Struct, frozen=True, tag=True):
+    """A color of a picture for a class: a ``Picked``."""
 
     draft: Draft
     picture: str
     place_px: tuple[int, int]
     radius_px: int
+    name: str
+    """Of the class."""
 
 
 class MapClasses(Struct, frozen=True, tag=True):
@@ -87,4 +89,4 @@ class Try(Struct, frozen=True, tag=True):
     """For overlays."""
 
 
-SetupJob: TypeAlias = Look | Show | Recognize | FindCamera | Sample | MapClasses | Try
+SetupJob: TypeAlias = Look | Show | Recognize | FindCamera | Pick | MapClasses | Try

@@ -5,12 +5,13 @@ from pathlib import Path
 from vision_core.calibration.result import Progress
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
-from vision_core.native.opencv import encode_jpeg, encode_png, read_picture, shrink
+from vision_core.native.opencv import encode_jpeg, read_picture, shrink
 from vision_core.regions.picture_kind import kind_reasons
 from vision_core.setup.camera import find_camera
+from vision_core.setup.choices import with_sample
 from vision_core.setup.colors import class_map, sample_at
-from vision_core.setup.findings import ClassMap, Looked
-from vision_core.setup.jobs import FindCamera, Look, MapClasses, Recognize, Sample, SetupJob, Show
+from vision_core.setup.findings import Looked, Picked
+from vision_core.setup.jobs import FindCamera, Look, MapClasses, Pick, Recognize, SetupJob, Show
 from vision_core.setup.recognize import recognize_field
 from vision_core.setup.trial import try_venue
 from vision_core.setup.venue_file import settings_of
@@ -37,11 +38,12 @@ def run(job: SetupJob, progress: Progress) -> object:
             )
         case FindCamera():
             return find_camera(job.draft, _read(job.pictures), job.wish, progress)
-        case Sample():
-            return sample_at(job.draft, read_picture(Path(job.picture)), job.place_px, job.radius_px)
+        case Pick():
+            pixels = read_picture(Path(job.picture))
+            sampled = sample_at(job.draft, pixels, job.place_px, job.radius_px)
+            return Picked(sampled, class_map(with_sample(job.draft, job.name, sampled.color), pixels))
         case MapClasses():
-            pixels, shares, colors = class_map(job.draft, read_picture(Path(job.picture)))
-            return ClassMap(encode_png(pixels), shares, colors)
+            return class_map(job.draft, read_picture(Path(job.picture)))
         case _:
             settings = settings_of(job.draft, complete=True)
             return try_venue([Path(name) for name in job.pictures], settings, job.in_use, Path(job.folder), progress)

@@ -76,7 +76,7 @@ class CameraTrialReport(Report):
     floor_error_mm: float | None
     marker_error_mm: float | None
     coverage: float | None
-    height_m: float
+    height_m: float | None
     measures_m: dict[str, float]
     """Measures of the field that were solved with it."""
 
@@ -335,7 +335,7 @@ def _camera(desk: Desk, draft: Draft) -> CameraTrialReport | None:
         notes=list(trial.notes),
         lines=_lines(trial),
         painted=painted_share(trial.lines),
-        height_m=trial.height_m,
+        height_m=_finite(trial.height_m),
         measures_m=trial.measures_m,
         **_figures(trial),
     )

@@ -17,9 +17,9 @@ from vision_core.native.opencv import encode_png
 from vision_core.settings.schema import Settings
 from vision_core.setup.choices import with_preset, with_sample
 from vision_core.setup.draft import Draft, DraftPicture
-from vision_core.setup.findings import CameraTrial, ClassMap, FieldTrial, Looked, Sampled, VenueTrial, taken
+from vision_core.setup.findings import CameraTrial, ClassMap, FieldTrial, Looked, Picked, Sampled, VenueTrial, taken
 from vision_core.setup.folder import DraftFolder
-from vision_core.setup.jobs import CameraWish, FindCamera, Look, MapClasses, Recognize, Sample, SetupJob, Show, Try
+from vision_core.setup.jobs import CameraWish, FindCamera, Look, MapClasses, Pick, Recognize, SetupJob, Show, Try
 from vision_core.startup import SET_UP
 from vision_core.types.job_step import JobStep
 
@@ -151,11 +151,15 @@ class Desk:
 
     def sample(self, index: int, place_px: tuple[int, int], radius_px: int, name: str) -> Sampled:
         """Add the color of a place to a class. index: of the picture. Raises RequestRefused."""
-        job = Sample(self.draft, self._picture(index), place_px, radius_px)
-        sampled = self._asked(job, Sampled, f"a sample of {name}")
+        picture = self._picture(index)
+        job = Pick(self.draft, picture, place_px, radius_px, name)
+        picked = self._asked(job, Picked, f"a sample of {name}")
+        color = picked.sampled.color
         with refused(HTTPStatus.UNPROCESSABLE_ENTITY, field="name"):
-            self.drafts.change(with_sample(self.draft, name, sampled.color), f"sample {sampled.color} of {name}")
-        return sampled
+            self.drafts.change(with_sample(self.draft, name, color), f"sample {color} of {name}")
+        if self.draft == with_sample(job.draft, name, color):
+            self._classes = (self.drafts.number, picture), picked.classes
+        return picked.sampled
 
     def classes(self, index: int) -> ClassMap:
         """The class of every pixel of a picture. Raises RequestRefused."""
