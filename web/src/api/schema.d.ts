@@ -1763,7 +1763,7 @@ export interface components {
             /** Floor Error Mm */
             floor_error_mm: number | null;
             /** Height M */
-            height_m: number;
+            height_m: number | null;
             /** Is Accepted */
             is_accepted: boolean;
             /**
