@@ -59,6 +59,7 @@ def camera(
     the picture. A result that cannot be trusted is refused with its reasons, and exit status 2.
     """
     from vision_core.calibration.solve import calibrate, from_other_end
+    from vision_core.pipeline.calibration_check import checked_by_robots
     from vision_core.venues.camera_edit import camera_lines, save_camera
     from vision_core.venues.loader import layers_of, settings_from_layers
 
@@ -84,6 +85,7 @@ def camera(
         progress.show("")
     if swap_ends:
         result = from_other_end(result)
+    result = checked_by_robots(result, shown[0], settings)
     if draw is not None:
         _draw(draw, shown[0], result)
     typer.echo(_json(result) if as_json else _report(result, settings))

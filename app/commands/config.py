@@ -21,7 +21,7 @@ def show(venue: Venue = None, config: ConfigFile = None) -> None:
 def validate(venue: Venue = None, config: ConfigFile = None) -> None:
     """Say whether settings are in order; exit status 2 when they are not."""
     from vision_core.models.camera_setup import CameraSetup
-    from vision_core.patterns.match_rules import match_warnings
+    from vision_core.pipeline.venue_warnings import venue_warnings
     from vision_core.startup.preflight import check_tasks
     from vision_core.tasks.table import check_table
     from vision_core.venues.camera_rules import fit_in_words
@@ -34,5 +34,5 @@ def validate(venue: Venue = None, config: ConfigFile = None) -> None:
     check_tasks(settings, camera)
     size = "x".join(map(str, camera.size_px))
     typer.echo(f"in order: field {settings.field.name}, camera {size}{fit_in_words(settings)}")
-    for warning in match_warnings(settings, lambda key: place_of(key, layers)):
+    for warning in venue_warnings(settings, lambda key: place_of(key, layers)):
         typer.echo(f"warning: {warning}")

@@ -55,6 +55,7 @@ def check(names: Names = None, venue: PaletteVenue = None, config: ConfigFile = 
                     )
     if venue is not None or config is not None:
         _check_colors({color: None for report in reports for color in report.colors}, venue, config)
+        _check_camera(chosen, venue, config)
 
 
 @app.command("print")
@@ -144,3 +145,24 @@ def _check_colors(colors: dict[str, None], venue: str | None, config: Path | Non
             accepted=f"classes for {', '.join(colors)}; there are {', '.join(settings.colors.classes)}",
         )
     typer.echo(f"colors: {len(colors)} classes needed, all there, {len(report.disputed)} pairs disputed")
+
+
+def _check_camera(chosen: list[str], venue: str | None, config: Path | None) -> None:
+    """Warn of what the venue's camera and tolerances make of patterns."""
+    import msgspec
+
+    from vision_core.color.lookup_table import compile_color_table
+    from vision_core.models.camera_setup import CameraSetup
+    from vision_core.objects.robots.pattern_warnings import pattern_warnings
+    from vision_core.patterns.loader import load_pattern
+    from vision_core.settings.schema import TeamRobotSettings
+    from vision_core.venues.loader import load_settings
+
+    settings = load_settings(venue, config)
+    camera, table = CameraSetup.from_settings(settings).model, compile_color_table(settings.colors)
+    for name in chosen:
+        shape = load_pattern(name).robot
+        team = TeamRobotSettings(pattern=name, outline=shape.outline, radius_m=shape.radius_m, height_m=shape.height_m)
+        worn = msgspec.structs.replace(settings.robots, blue=team, yellow=team)
+        for warning in pattern_warnings(msgspec.structs.replace(settings, robots=worn), camera, table):
+            typer.echo(f"warning: {warning.key}: {warning.found}; accepted: {warning.accepted}")

@@ -128,6 +128,19 @@ def scaled(pattern: Pattern, factor: float) -> Pattern:
     return msgspec.structs.replace(pattern, patches=patches)
 
 
+def mirrored(pattern: Pattern) -> Pattern:
+    """The same marker in a mirror: left and right exchanged."""
+    patches = tuple(
+        msgspec.structs.replace(
+            patch,
+            circle_mm=(patch.circle_mm[0], -patch.circle_mm[1], patch.circle_mm[2]) if patch.circle_mm else None,
+            polygon_mm=tuple((x, -y) for x, y in patch.polygon_mm) if patch.polygon_mm else None,
+        )
+        for patch in pattern.patches
+    )
+    return msgspec.structs.replace(pattern, patches=patches)
+
+
 def looks(pattern: Pattern) -> Iterator[tuple[Team, int, tuple[str, ...]]]:
     """Team, id and the colors of the patches of every robot that can wear a pattern."""
     for team in Team:

@@ -17,6 +17,7 @@ from vision_core.objects.robots.reasons import explain_robots
 from vision_core.objects.robots.scene import Scene
 from vision_core.pipeline.perception import Perception, perceive_picture
 from vision_core.regions.exposure import exposure_reasons, field_pixels
+from vision_core.regions.lines import line_check
 from vision_core.regions.picture_kind import kind_reasons
 from vision_core.regions.shift_words import calibration_reasons
 from vision_core.types.objects import Sightings
@@ -26,6 +27,8 @@ from vision_core.types.tables import SightingsTable, Table
 OVERFLOW = Reason(
     "too many blobs: parts of the picture were not searched", "Narrow the color classes, or raise blobs.max_runs."
 )
+MIN_LINES = 0.8
+"""Share of the painted lines that are in their places when the floor is calibrated rightly."""
 CUT_SHORT = Reason("the search for reasons was cut short: there may be more", "Mend what is listed first.")
 
 
@@ -63,7 +66,7 @@ def reasons_of(
         lambda: () if seen.robots and seen.balls else color_conflicts(perception),
         lambda: calibration_reasons(perception.raw, settings.field, camera),
         lambda: _ball_reasons(perception, seen),
-        lambda: explain_robots(scene_of(perception), settings, budget.is_over),
+        lambda: explain_robots(scene_of(perception), settings, budget.is_over, is_floor_right=_lines_agree(perception)),
     )
     reasons = sorted(_until_over(steps, budget), key=lambda reason: (-reason.explains, not reason.is_calibration))
     return (*reasons, CUT_SHORT) if budget.was_exceeded else tuple(reasons)
@@ -74,6 +77,12 @@ def _until_over(steps: Iterable[Callable[[], Iterable[Reason]]], budget: _Budget
         if budget.is_over():
             return
         yield from step()
+
+
+def _lines_agree(perception: Perception) -> bool:
+    """Are most painted lines where the calibration puts them?"""
+    check = line_check(perception.raw, perception.settings.field, perception.camera.model)
+    return check.known > 0 and check.found >= MIN_LINES * check.known
 
 
 def _ball_reasons(perception: Perception, seen: Sightings) -> tuple[Reason, ...]:

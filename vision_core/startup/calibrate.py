@@ -17,6 +17,7 @@ from vision_core.calibration.solve import calibrate, from_other_end
 from vision_core.calibration.start import Start, start_from_corners, start_from_settings
 from vision_core.errors import PslvError
 from vision_core.geometry import Bytes
+from vision_core.pipeline.calibration_check import checked_by_robots
 from vision_core.scheduling.attachment import end_with
 from vision_core.types.job_step import JobStep
 
@@ -42,7 +43,8 @@ def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
         marker_height_m=job.settings.robots.height_m,
         progress=lambda what, share: _tell(JobStep(what, share)),
     )
-    return from_other_end(result) if job.swaps_ends else result
+    result = from_other_end(result) if job.swaps_ends else result
+    return checked_by_robots(result, pixels, job.settings)
 
 
 def _start(job: CalibrationJob) -> Start | None:

@@ -40,6 +40,8 @@ MAX_ANISOTROPY = 5.0
 """Ratio of the image's scales along and across: a camera 78 deg from the vertical."""
 MAX_ROUND_TRIP_M = 0.01
 """Field -> image -> field must lead back; a distortion that folds the image does not."""
+HEIGHT_ERROR = 0.1
+"""Relative error of a height for which the error of robots' places is said."""
 GRID_SIDE = 41
 STEP_M = 1e-3
 
@@ -91,15 +93,28 @@ def fit_residual(points: Sequence[NamedPoint]) -> FitResidual:
 
 
 def fit_in_words(settings: Settings) -> str:
-    """How well a camera from named points fits them, " from 5 points, ..."; empty for a calibrated lens."""
+    """How well a camera from named points fits them, " from 5 points, ...", and what an error of its height would do.
+
+    Empty for a calibrated lens.
+    """
     fitted = settings.camera.homography
     if settings.camera.model != "homography" or fitted is None:
         return ""
+    height = _height_in_words(settings, fitted)
     if len(fitted.points) == 4:
-        return " from four points (which fit exactly: further points would show an error)"
+        return f" from four points (which fit exactly: further points would show an error); {height}"
     residual = fit_residual(fitted.points)
     rms, worst = f"{residual.rms_px:.1f} px rms", f"{residual.worst_px:.1f} px at {residual.worst!r}"
-    return f" from {len(fitted.points)} points, residual {rms}, worst {worst}"
+    return f" from {len(fitted.points)} points, residual {rms}, worst {worst}; {height}"
+
+
+def _height_in_words(settings: Settings, fitted: HomographySettings) -> str:
+    """How far robots would be misplaced if the camera's height, by tape, were wrong: no picture shows small errors."""
+    x, y, height_m = fitted.position_m
+    half_x, half_y = accepted_half_extent(settings.field)
+    farthest_m = float(np.hypot(abs(x) + half_x, abs(y) + half_y))
+    off_m = farthest_m * settings.robots.height_m / height_m * HEIGHT_ERROR / (1.0 - HEIGHT_ERROR)
+    return f"{HEIGHT_ERROR:.0%} of its height of {height_m:g} m would move robots by up to {1e3 * off_m:.0f} mm"
 
 
 def _residuals(points: Sequence[NamedPoint]) -> Floats:

@@ -147,6 +147,23 @@ def marker_of(
     )
 
 
+def tells_heading(marker: Marker) -> bool:
+    """Do all patches together, or the anchor's shape, determine the heading at the tolerance that the marker has?"""
+    return min(marker.min_slots_for_heading, marker.min_slots_with_shape) <= len(marker.slots_m)
+
+
+def largest_tolerance_m(marker: Marker, below_m: float) -> float:
+    """The largest distance of a patch from its place, below another one, at which the patches determine the heading.
+
+    In whole millimetres; 0 when there is none.
+    """
+    for tolerance_mm in range(math.ceil(1e3 * below_m) - 1, 0, -1):
+        counts = _min_slots(marker.slot_offsets_m, marker.digits, tolerance_mm / 1e3, marker.shape)
+        if min(counts) <= len(marker.slots_m):
+            return tolerance_mm / 1e3
+    return 0.0
+
+
 def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
     needed = {patch.color for patch in pattern.patches} - {TEAM, CODE}
     if pattern.digits:

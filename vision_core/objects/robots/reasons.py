@@ -1,209 +1,195 @@
-"""Why robots are not found or not identified, for people. Slow, and never on the hot path."""
+"""Why robots are not found or not identified, for people. Slow, and never on the hot path.
 
-import contextlib
+``unread`` lists what is like a robot and is not read; ``alternatives`` and ``marker_size`` try what would explain all
+of it at once.
+"""
+
 from collections import Counter
 from collections.abc import Callable, Iterator
-from typing import Any
 
-import msgspec
 import numpy as np
 
-from vision_core.errors import SettingsError
-from vision_core.models.from_settings import robots_of
-from vision_core.objects.robots.buffers import finder_buffers
-from vision_core.objects.robots.finder import RobotFinder, gates_from, robot_finder
-from vision_core.objects.robots.markers import Marker, marker_of
+from vision_core.objects.robots.alternatives import better_pattern, mirror_reason
+from vision_core.objects.robots.finder import RobotFinder, robot_finder
+from vision_core.objects.robots.marker_size import size_reason
+from vision_core.objects.robots.markers import Marker, largest_tolerance_m, tells_heading
 from vision_core.objects.robots.pose_refinement import id_of
 from vision_core.objects.robots.scene import (
     Scene,
+    SeenRobots,
     anchor_area_ratios,
-    code_of,
-    hypotheses_of,
+    counted,
     pattern_name,
     pixel_of,
+    seen_robots,
     what_is_missing,
 )
-from vision_core.patterns.loader import load_pattern, scaled
-from vision_core.settings.schema import Settings, TeamRobotSettings
+from vision_core.objects.robots.unread import (
+    NO_TEAM,
+    REPAIR,
+    Missed,
+    missed_robots,
+    places_in_words,
+    unread_because,
+)
+from vision_core.settings.schema import Settings
 from vision_core.types.reasons import Reason
-from vision_core.types.tables import NO_ID, TEAMS, Table
-from vision_core.venues.loader import config_folder
+from vision_core.types.tables import NO_ID, TEAMS
 
 NUMERALS = {2: "two", 3: "three", 4: "four"}
-SAME_ROBOT_RADII = 0.5
-"""A hypothesis so near to a found robot's center, in radii of a robot, is that robot."""
-SCALES = tuple(round(1.06**step, 2) for step in range(-12, 13) if step)
-"""Factors of the marker's size that are tried when robots are not identified: half to double."""
-MIN_GAIN_RATIO = 1.3
-"""Another pattern is suggested when it explains the picture better by this factor."""
-NO_ID_WEIGHT = 0.2
-"""Of the confidence of a robot without an id, when patterns are compared."""
 MAX_REASONS = 3
-"""Robots without an id that are explained, per team."""
+"""Robots of a kind that are explained one by one; of the others the places are said."""
+MAX_PLACES = 12
+"""Places that are listed in one reason."""
 
 
-def explain_robots(scene: Scene, settings: Settings, is_over: Callable[[], bool] = lambda: False) -> list[Reason]:
-    """Why there are no robots, or why some have no id; empty when every robot is identified.
+def explain_robots(
+    scene: Scene, settings: Settings, is_over: Callable[[], bool] = lambda: False, *, is_floor_right: bool = False
+) -> list[Reason]:
+    """Why there are no robots, why some are not found, and why some have no id or no heading.
 
-    is_over: called before each attempt with another pattern or size of markers; True ends the attempts.
+    Empty when every robot is read and as large as it should be. is_over: called before each attempt with another
+    pattern or size of markers; True ends the attempts. is_floor_right: as of ``doubts_of``.
     """
     finder = robot_finder(settings, scene.table)
-    robots = scene.robots(finder)
-    reasons = []
+    seen = seen_robots(scene, finder)
+    robots = seen.robots
+    missed = missed_robots(scene, finder, settings, seen)
+    reasons = list(_not_found(missed))
     for marker in finder.markers:
         own = robots[robots["team"] == marker.team]
-        if not len(robots):
-            reasons.append(_why_no_robot(scene, finder, marker, settings))
-        elif (own["id"] == NO_ID).any() or not len(own):
-            reasons += _why_no_id(scene, finder, marker, own, settings)
-    if not len(robots) or (robots["id"] == NO_ID).any():
-        reasons += _better_pattern(scene, robots, settings, is_over)
+        if not len(robots) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
+            reasons.append(_why_no_robot(scene, finder, marker))
+        reasons += _without_heading(scene, marker, seen, settings)
+        if marker.has_code and (own["id"] == NO_ID).any():
+            reasons += _why_no_id(scene, marker, seen, settings)
+    if len(robots) and not is_over():
+        reasons += _doubts(scene, finder, seen, settings, is_floor_right=is_floor_right)
+    if missed or not len(robots) or (robots["id"] == NO_ID).any():
+        reasons += better_pattern(scene, robots, settings, is_over)
     return reasons
 
 
-def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker, settings: Settings) -> Reason:
-    """What comes nearest to a robot of a team, and why it is rejected."""
+def doubts_of(scene: Scene, settings: Settings, *, is_floor_right: bool) -> list[Reason]:
+    """What robots that are read say against a calibration: a wrong height of the camera, a mirrored picture.
+
+    is_floor_right: places on the floor are right, by named points or lines, whatever the camera's height is.
+    """
+    finder = robot_finder(settings, scene.table)
+    return list(_doubts(scene, finder, seen_robots(scene, finder), settings, is_floor_right=is_floor_right))
+
+
+def _doubts(
+    scene: Scene, finder: RobotFinder, seen: SeenRobots, settings: Settings, *, is_floor_right: bool
+) -> Iterator[Reason]:  # fmt: skip
+    is_floor_right = is_floor_right or settings.camera.model == "homography"
+    height_m = float(scene.seen.camera.position_m[2])
+    if size := size_reason(scene, finder.markers, seen, height_m, is_floor_right=is_floor_right):
+        yield size
+    if mirror := mirror_reason(scene, seen.robots, settings):
+        yield mirror
+
+
+def _not_found(missed: list[Missed]) -> Iterator[Reason]:
+    """What is like a robot and is not found: each with its place."""
+    for team in sorted({one.team for one in missed}):
+        own = [one for one in missed if one.team == team]
+        name = "robot" if team == NO_TEAM else f"{TEAMS[team]} robot"
+        for one in own[:MAX_REASONS]:
+            yield Reason(f"a {name} at ({one.x_px:.0f}, {one.y_px:.0f}) px is not found: {one.why}", one.advice, 1.0)
+        yield from _further([(one.x_px, one.y_px) for one in own[MAX_REASONS:]], name, "not found", own[0].advice)
+
+
+def _further(places: list[tuple[float, float]], name: str, what: str, advice: str) -> Iterator[Reason]:
+    """The places of those that are not explained one by one."""
+    if places:
+        count = len(places)
+        where = places_in_words(np.array(places), MAX_PLACES)
+        text = f"{counted(count, f'more {name}')} {'is' if count == 1 else 'are'} {what}, at {where}"
+        yield Reason(text, advice, float(count))
+
+
+def _without_heading(scene: Scene, marker: Marker, seen: SeenRobots, settings: Settings) -> Iterator[Reason]:
+    """Robots whose heading is not known although all their patches are seen, or whose pattern has no code."""
+    name, tolerance_m, blind = TEAMS[marker.team], settings.robots.dot_tolerance_m, []
+    for robot, hypothesis in zip(seen.found, seen.hypotheses, strict=True):
+        if robot["team"] != marker.team or not np.isnan(robot["heading_rad"]):
+            continue
+        if hypothesis["matched"] == len(marker.slots_m):
+            blind.append((float(robot["x_px"]), float(robot["y_px"])))
+        elif not marker.has_code:
+            missing = what_is_missing(scene, marker, hypothesis, settings)
+            place = f"the {name} robot at ({robot['x_px']:.0f}, {robot['y_px']:.0f}) px"
+            yield Reason(f"the heading of {place} is not known: {missing}", REPAIR, 1.0)
+    if not blind:
+        return
+    what = f"the heading of {counted(len(blind), f'{name} robot')} is ambiguous"
+    where = f"at {places_in_words(np.array(blind), MAX_PLACES)}"
+    if tells_heading(marker):
+        why = "another heading explains its patches as well"
+        yield Reason(f"{what}, {where}: {why}", REPAIR, float(len(blind)))
+        return
+    pattern = pattern_name(settings, marker)
+    why = (
+        f"turned, pattern {pattern} looks like itself when patches may lie {1e3 * tolerance_m:g} mm beside their places"
+    )
+    advice = "Give the robots a pattern that looks the same in no other heading."
+    if enough_m := largest_tolerance_m(marker, tolerance_m):
+        advice = f"Set robots.dot_tolerance_m = {enough_m:g} or less, or draw the pattern less symmetric."
+    yield Reason(f"{what}, {where}: {why}", advice, float(len(blind)))
+
+
+def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker) -> Reason:
+    """Why nothing of a team is seen at all: no blob of its color, or none of the right size."""
     name, gates = TEAMS[marker.team], finder.gates
     blobs = np.flatnonzero(scene.blobs["color"] == marker.anchor_class)
     if not len(blobs):
         none = f"no {name} robot: no blob of color class {name}"
         return Reason(none, f"Put a {name} robot on the field, or widen color class {name}.")
     ratios = anchor_area_ratios(scene, finder, marker, blobs)
-    accepted = (ratios >= gates.min_area) & (ratios <= gates.max_area)
-    if not accepted.any():
-        nearest = int(np.argmin(np.abs(np.log(np.maximum(ratios, 1e-9)))))
-        return Reason(
-            f"no {name} robot: {len(blobs)} {_plural(len(blobs), 'blob')} of color class {name}, but none of the right "
-            f"size; the nearest, at {pixel_of(scene, blobs[nearest])}, has {ratios[nearest]:.2g} times the expected "
-            f"area (accepted: {gates.min_area:g} to {gates.max_area:g})",
-            "Check robots.height_m, the camera's height and the pattern.",
-        )
-    best = _best_hypothesis(scene, finder, marker)
-    if best is None or best["matched"] == 0 < len(marker.slots_m):
-        count = int(accepted.sum())
-        return Reason(
-            f"no {name} robot: {count} {_plural(count, 'blob')} of color class {name} and of the right size, the first "
-            f"at {pixel_of(scene, blobs[accepted][0])}, without another patch of pattern "
-            f"{pattern_name(settings, marker)} near",
-            "Choose the pattern that the robots wear, or widen the classes of its patches.",
-        )
+    if not (on_field := ratios > 0.0).any():
+        off = f"no {name} robot: all {counted(len(blobs), 'blob')} of color class {name} lie off the field"
+        where = f"the first at {pixel_of(scene, int(blobs[0]))}"
+        return Reason(f"{off}, {where}", "Put a robot on the field, or check the calibration and the field's measures.")
+    blobs, ratios = blobs[on_field], ratios[on_field]
+    nearest = int(np.argmin(np.abs(np.log(ratios))))
     return Reason(
-        f"no {name} robot: the best candidate, at {pixel_of(scene, int(best['anchor']))}, has confidence "
-        f"{best['score']:.2f}, below robots.min_confidence = {settings.robots.min_confidence:g}: "
-        f"{what_is_missing(scene, marker, best, settings)}",
-        "Repair or clean the marker, or widen the class of the patch that is missing.",
+        f"no {name} robot: {counted(len(blobs), 'blob')} of color class {name}, but none of the right "
+        f"size; the nearest, at {pixel_of(scene, int(blobs[nearest]))}, has {ratios[nearest]:.2g} times the expected "
+        f"area (accepted: {gates.min_area:g} to {gates.max_area:g})",
+        "Check robots.height_m, the camera's height and the pattern.",
     )
 
 
-def _why_no_id(
-    scene: Scene, finder: RobotFinder, marker: Marker, robots: Table, settings: Settings
-) -> list[Reason]:  # fmt: skip
+def _why_no_id(scene: Scene, marker: Marker, seen: SeenRobots, settings: Settings) -> Iterator[Reason]:
     """Why a team's robots have no id."""
-    name, hypotheses = TEAMS[marker.team], hypotheses_of(scene, finder, marker)
-    reasons, shown = [], Counter[int]()
-    for robot in robots:
-        apart = np.hypot(hypotheses["x_m"] - robot["x_m"], hypotheses["y_m"] - robot["y_m"])
-        near = hypotheses[apart < SAME_ROBOT_RADII * marker.radius_m]
-        if robot["id"] != NO_ID or not len(near):
+    name = TEAMS[marker.team]
+    shown, twins, said, further = Counter[int](), [], 0, []
+    for number, robot in enumerate(seen.found):
+        if robot["team"] != marker.team or seen.id_of(number) != NO_ID:
             continue
-        best = near[0]
-        place = f"the {name} robot at ({robot['x_px']:.0f}, {robot['y_px']:.0f}) px"
-        if why := unread_because(scene, marker, best, settings):
-            reasons.append(Reason(f"{place} has {why.text}", why.advice))
+        hypothesis, place = seen.hypotheses[number], (float(robot["x_px"]), float(robot["y_px"]))
+        if np.isnan(robot["heading_rad"]) and hypothesis["matched"] == len(marker.slots_m):
+            continue  # its heading is ambiguous, and said to be
+        why = unread_because(scene, marker, hypothesis, settings)
+        if why is None:
+            shown[id_of(scene.blobs, marker, hypothesis)] += 1
+            twins.append((id_of(scene.blobs, marker, hypothesis), place))
+        elif (said := said + 1) <= MAX_REASONS:
+            text = f"the {name} robot at ({place[0]:.0f}, {place[1]:.0f}) px has {why.text}"
+            yield Reason(text, why.advice, 1.0)
         else:
-            shown[id_of(scene.blobs, marker, best)] += 1
-    twice = [
-        Reason(
-            f"{NUMERALS.get(count, count)} robots have the marker of {name} {number}, so none of them has an id",
-            "Give each robot a marker of its own.",
-        )
-        for number, count in shown.items()
-        if count > 1
-    ]
-    bright = [
-        Reason(
-            f"the blobs of a {name} robot show id {number}, but patches of its code are overexposed: in two of three "
-            "channels they are saturated, and other ids look the same",
-            "Close the lens, or lower the camera's exposure or gain.",
-        )
-        for number, count in shown.items()
-        if count == 1
-    ]
-    return reasons[:MAX_REASONS] + twice + bright
-
-
-def unread_because(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> Reason | None:
-    """What a hypothesis has in place of an id; None when it has one."""
-    if hypothesis["matched"] < len(marker.slots_m):
-        missing = f"no id: {what_is_missing(scene, marker, hypothesis, settings)}"
-        return Reason(missing, "Repair or clean its marker, or widen the class of the patch that is missing.")
-    if id_of(scene.blobs, marker, hypothesis) == NO_ID:
-        pattern = pattern_name(settings, marker)
-        code = f"the code {code_of(scene, marker, hypothesis)}, which is no id of pattern {pattern}"
-        return Reason(code, f"Give it a marker of this pattern: `pslv patterns print {pattern}`.")
-    return None
-
-
-def _better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Callable[[], bool]) -> list[Reason]:
-    """The shipped pattern, or the size of the own one, that explains the picture best, if it is clearly better."""
-    best, best_gain = None, MIN_GAIN_RATIO * _gain(robots)
-    for reason, finder in (*_finders_of_other_patterns(scene, settings), *_finders_of_other_sizes(scene, settings)):
-        if is_over():
-            break
-        found = scene.robots(finder)
-        ids = int((found["id"] != NO_ID).sum())
-        if ids and (gain := _gain(found)) > best_gain:
-            text = f"{reason.text} {ids} {_plural(ids, 'robot')} would be identified"
-            best, best_gain = Reason(text, reason.advice), gain
-    return [best] if best else []
-
-
-def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[Reason, RobotFinder]]:
-    """For every shipped pattern whose colors are classes of this venue: a finder, and its reason's first words."""
-    own = {robots_of(settings.robots, team).pattern for team in TEAMS}
-    for path in sorted((config_folder() / "patterns").glob("*.toml")):
-        if path.stem in own:
-            continue
-        shape = load_pattern(path.stem).robot
-        team = TeamRobotSettings(
-            pattern=path.stem, outline=shape.outline, radius_m=shape.radius_m, height_m=shape.height_m
-        )
-        other = msgspec.structs.replace(settings.robots, blue=team, yellow=team)
-        with contextlib.suppress(SettingsError):
-            finder = robot_finder(msgspec.structs.replace(settings, robots=other), scene.table)
-            text = f"another pattern? With robots.pattern = {path.stem!r}"
-            yield Reason(text, f"Set robots.pattern = {path.stem!r} if the robots wear it."), finder
-
-
-def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[Reason, RobotFinder]]:
-    """A finder for markers that look larger or smaller than they are, as a wrong camera height makes them."""
-    buffers = finder_buffers(settings.blobs.max_blobs)
-    for factor in SCALES:
-        blue, yellow = (
-            marker_of(
-                scaled(load_pattern(robots.pattern), factor), robots, team, number, scene.table,
-                settings.robots.dot_tolerance_m,
+            further.append(place)
+    yield from _further(further, f"{name} robot", "without an id", "Repair their markers, or widen the color classes.")
+    for number, count in shown.items():
+        where = places_in_words(np.array([place for one, place in twins if one == number]), MAX_PLACES)
+        if count > 1:
+            text = f"{NUMERALS.get(count, count)} robots have the marker of {name} {number}, so none of them has an id"
+            yield Reason(f"{text}: at {where}", "Give each robot a marker of its own.", float(count))
+        else:
+            yield Reason(
+                f"the blobs of the {name} robot at {where} show id {number}, but patches of its code are overexposed: "
+                "in two of three channels they are saturated, and other ids look the same",
+                "Close the lens, or lower the camera's exposure or gain.",
+                1.0,
             )
-            for number, team in enumerate(TEAMS)
-            for robots in [robots_of(settings.robots, team)]
-        )  # fmt: skip
-        area = f"blobs have {factor**2:.1f} times the expected area"
-        text = f"wrong camera height or field size? The {area}; with markers {factor:.2f} times as large"
-        yield (
-            Reason(text, "Measure the camera's height and the field again."),
-            RobotFinder((blue, yellow), gates_from(settings), buffers),
-        )
-
-
-def _gain(robots: Table) -> float:
-    """How well robots explain the picture: the sum of their confidences, less weight for those without an id."""
-    return float((robots["confidence"] * np.where(robots["id"] != NO_ID, 1.0, NO_ID_WEIGHT)).sum())
-
-
-def _best_hypothesis(scene: Scene, finder: RobotFinder, marker: Marker) -> Any:
-    rows = hypotheses_of(scene, finder, marker)
-    return rows[0] if len(rows) else None
-
-
-def _plural(count: int, noun: str) -> str:
-    return noun if count == 1 else f"{noun}s"

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.models.camera_kernels import pixel_from_field, pixels_per_square_metre
+from vision_core.models.camera_kernels import field_and_scale, pixel_from_field, pixels_per_square_metre
 from vision_core.models.from_settings import robots_of
+from vision_core.objects.field_limits import accepted_extents, is_accepted
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.hypothesis_generation import generate_hypotheses, locate_blobs
@@ -19,6 +20,8 @@ from vision_core.types.tables import TEAMS, Table
 
 MAX_MISSING = 2
 """Missing patches that are explained, per robot."""
+MIN_MERGED = 1.6
+"""A blob so many times as large as a patch is two that have run together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +38,32 @@ class Scene:
     def blobs(self) -> Table:
         """BLOB table, shape (n,)."""
         return self.seen.blobs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenRobots:
+    """The robots that a finder finds in a scene, with what it found them by."""
+
+    robots: Table
+    """As the hot path gives them, ROBOT, shape (n,)."""
+    hypotheses: Table
+    """Of the same robots in the order of their confidence, HYPOTHESIS, shape (n,)."""
+    found: Table
+    """The robots in this order; two of a team with one id still have it. ROBOT, shape (n,)."""
+
+    def id_of(self, number: int) -> int:
+        """The id of a robot in this order; NO_ID when another one of its team has the same."""
+        row = self.found[number]
+        same = (self.robots["team"] == row["team"]) & (self.robots["x_m"] == row["x_m"])
+        return int(self.robots["id"][same & (self.robots["y_m"] == row["y_m"])][0])
+
+
+def seen_robots(scene: Scene, finder: RobotFinder) -> SeenRobots:
+    """What a finder finds in a scene."""
+    robots = scene.robots(finder)
+    buffers = finder.buffers
+    chosen = buffers.hypotheses[buffers.selected[: len(robots)]].copy()
+    return SeenRobots(robots, chosen, buffers.found[: len(robots)].copy())
 
 
 def hypotheses_of(scene: Scene, finder: RobotFinder, marker: Marker) -> Table:
@@ -67,21 +96,39 @@ def what_is_missing(scene: Scene, marker: Marker, hypothesis: Any, settings: Set
 
 def _what_is_at(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settings: Settings) -> str:
     """What is seen where a slot's patch should be."""
-    c, s = math.cos(hypothesis["heading_rad"]), math.sin(hypothesis["heading_rad"])
     a, b = marker.slots_m[slot]
-    x_m, y_m = hypothesis["x_m"] + c * a - s * b, hypothesis["y_m"] + s * a + c * b
-    x, y = pixel_from_field(scene.seen.camera, x_m, y_m, marker.height_m)
-    patch, wanted = f"the {_side(a, b)} patch", " or ".join(_colors_of(scene.table, marker, slot))
+    x, y = place_of_slot(scene, marker, hypothesis, slot)
+    patch, wanted = f"the {side_of(a, b)} patch", " or ".join(_colors_of(scene.table, marker, slot))
     off = np.hypot(scene.blobs["x_px"] - x, scene.blobs["y_px"] - y)
     scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
     if not (off <= settings.robots.dot_tolerance_m * math.sqrt(scale2)).any():
-        return f"{patch} is missing: there is nothing {wanted} at ({x:.0f}, {y:.0f}) px"
+        merged = _merged_into(scene, marker, hypothesis, slot)
+        return f"{patch} {merged or f'is missing: there is nothing {wanted} at ({x:.0f}, {y:.0f}) px'}"
     blob = int(np.argmin(off))
     color = int(scene.blobs["color"][blob])
     if marker.digits[slot, color] == NO_DIGIT:
         return f"{patch} is {scene.table.names[color]}, not {wanted}"
+    place = field_and_scale(scene.seen.camera, scene.blobs["x_px"][blob], scene.blobs["y_px"][blob], marker.height_m)
+    if not is_accepted(*place[:2], marker.radius_m, accepted_extents(settings.field, settings.robots.margin_m)):
+        return f"{patch} lies off the field, farther than robots.margin_m = {settings.robots.margin_m:g} m"
     ratio = float(scene.blobs["area_px"][blob] / scale2 / marker.areas_m2[slot])
     return f"{patch} has {ratio:.2g} times the expected area"
+
+
+def _merged_into(scene: Scene, marker: Marker, hypothesis: Any, slot: int) -> str:
+    """That a slot's patch has run together with another one, in words; empty when no blob is as large as two."""
+    scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
+    x, y = pixel_from_field(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
+    for blob in scene.blobs:
+        is_own = math.hypot(blob["x_px"] - x, blob["y_px"] - y) <= marker.radius_m * math.sqrt(scale2)
+        is_its_color = marker.digits[slot, blob["color"]] != NO_DIGIT and blob["color"] != marker.anchor_class
+        if is_own and is_its_color and blob["area_px"] / scale2 >= MIN_MERGED * marker.areas_m2[slot]:
+            color = scene.table.names[int(blob["color"])]
+            where = f"a {color} blob at ({blob['x_px']:.0f}, {blob['y_px']:.0f}) px is as large as two"
+            return (
+                f"seems to have run together with another one: {where}, the picture is too coarse for the gap between"
+            )
+    return ""
 
 
 def _colors_of(table: ColorTable, marker: Marker, slot: int) -> list[str]:
@@ -89,7 +136,16 @@ def _colors_of(table: ColorTable, marker: Marker, slot: int) -> list[str]:
     return [table.names[color] for color in np.flatnonzero(marker.digits[slot] != NO_DIGIT)]
 
 
-def _side(x: float, y: float) -> str:
+def place_of_slot(scene: Scene, marker: Marker, hypothesis: Any, slot: int) -> tuple[float, float]:
+    """Where a hypothesis has a slot in the picture [px]."""
+    c, s = math.cos(hypothesis["heading_rad"]), math.sin(hypothesis["heading_rad"])
+    a, b = marker.slots_m[slot]
+    x_m, y_m = hypothesis["x_m"] + c * a - s * b, hypothesis["y_m"] + s * a + c * b
+    x, y = pixel_from_field(scene.seen.camera, x_m, y_m, marker.height_m)
+    return float(x), float(y)
+
+
+def side_of(x: float, y: float) -> str:
     """Where a place in robot space is, in words."""
     along = "front" if x > abs(y) / 3.0 else "back" if x < -abs(y) / 3.0 else ""
     across = "left" if y > abs(x) / 3.0 else "right" if y < -abs(x) / 3.0 else ""
@@ -104,6 +160,11 @@ def code_of(scene: Scene, marker: Marker, hypothesis: Any) -> str:
         if marker.place_values[slot]
     ]
     return "".join(scene.table.names[color][0].upper() for color in colors)
+
+
+def counted(count: int, noun: str) -> str:
+    """A number of things in words."""
+    return f"{count} {noun if count == 1 else f'{noun}s'}"
 
 
 def pattern_name(settings: Settings, marker: Marker) -> str:

@@ -10,8 +10,8 @@ from vision_core.models.camera_kernels import field_and_scale
 from vision_core.objects.field_limits import is_accepted
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.markers import Marker
-from vision_core.objects.robots.reasons import unread_because
-from vision_core.objects.robots.scene import Scene, hypotheses_of, pattern_name, what_is_missing
+from vision_core.objects.robots.scene import Scene, hypotheses_of, pattern_name, seen_robots, what_is_missing
+from vision_core.objects.robots.unread import unread_because
 from vision_core.objects.verdicts import size_words
 from vision_core.settings.schema import Settings
 from vision_core.types.overlay import Hypothesis
@@ -30,11 +30,8 @@ OFF_FIELD, WRONG_SIZE, ALONE, LOW_CONFIDENCE, PLACE_TAKEN, PASSED = range(6)
 
 def robot_verdicts(scene: Scene, finder: RobotFinder, settings: Settings) -> Iterator[tuple[int, Hypothesis]]:
     """Of every blob of a team's color: how many gates it passed, and the verdict."""
-    robots = scene.robots(finder)
-    buffers = finder.buffers
-    chosen = buffers.hypotheses[buffers.selected[: len(robots)]].copy()
-    found = buffers.found[: len(robots)].copy()
-    ids = [_id_among(robots, row) for row in found]
+    seen = seen_robots(scene, finder)
+    robots, chosen, found = seen.robots, seen.hypotheses, seen.found
     for marker in finder.markers:
         own = {int(row["anchor"]): k for k, row in enumerate(chosen) if row["team"] == marker.team}
         best: dict[int, Any] = {}
@@ -44,13 +41,7 @@ def robot_verdicts(scene: Scene, finder: RobotFinder, settings: Settings) -> Ite
             if (k := own.get(blob)) is None:
                 yield _rejected(scene, finder, marker, blob, best.get(blob), robots, settings)
             else:
-                yield PASSED, _accepted(scene, marker, chosen[k], found[k], ids[k], settings)
-
-
-def _id_among(robots: Table, row: Any) -> int:
-    """A robot's id in the final table, where two of a team with the same have lost it."""
-    same = (robots["team"] == row["team"]) & (robots["x_m"] == row["x_m"]) & (robots["y_m"] == row["y_m"])
-    return int(robots["id"][same][0])
+                yield PASSED, _accepted(scene, marker, chosen[k], found[k], seen.id_of(k), settings)
 
 
 def _accepted(scene: Scene, marker: Marker, hypothesis: Any, robot: Any, number: int, settings: Settings) -> Hypothesis:
