@@ -40,6 +40,9 @@ class CutCamera:
     def field_from_pixel(self, pixels: np.ndarray, height_m: float = 0.0) -> np.ndarray:
         return self.whole.field_from_pixel(pixels + CORNER, height_m)
 
+    def pixel_from_field(self, points: np.ndarray, height_m: float = 0.0) -> np.ndarray:
+        return self.whole.pixel_from_field(points, height_m) - CORNER
+
 
 def frame_of(piece: Picture) -> ImageFrame:
     size = CAMERA.shape

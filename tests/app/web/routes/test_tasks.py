@@ -148,7 +148,7 @@ def test_a_web_process_that_was_started_again_goes_on(http: httpx.Client, servic
         (
             "boundary",
             {"period_ms": 10},
-            "tasks.boundary.budget_ms: budgets that fill 1.11 cores in process watch",
+            "tasks.boundary.budget_ms: budgets that fill 1.19 cores in process watch",
             "one core at most",
         ),
     ],
