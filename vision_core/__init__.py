@@ -9,6 +9,7 @@ Top to bottom; who stands lower imports nobody above (held by the contracts in p
     evaluation/   how good recognition is on files: stills, overlay, score
     client/       for teams: connect, views, panorama; numpy alone
     tasks/        table.py is read first, then one file per task
+    palette/      the colors of a venue: found in pictures, and followed when the light changes
     pipeline/     several stages in one compiled call
     net/          the only server sockets
     calibration/  a camera from the painted lines in pictures

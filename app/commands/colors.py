@@ -68,6 +68,48 @@ def sample(
         typer.echo(f"# classes without a color yet: {', '.join(missing)}; sample them in the same way", err=True)
 
 
+@colors_app.command("find")
+def find(
+    pictures: Annotated[list[Path], typer.Argument(help="Pictures of the venue with robots, in about the same light.")],
+    venue: Venue = None,
+    config: ConfigFile = None,
+    save: Annotated[
+        bool, typer.Option("--save", help="Write the colors into the file of --config or --venue.")
+    ] = False,
+) -> None:
+    """Find all colors by themselves: camera, field and patterns must be right; exit status 2 when they are doubtful."""
+    from app.commands.progress import Progress
+    from vision_core.models.camera_setup import CameraSetup
+    from vision_core.palette.find import find_colors
+    from vision_core.venues.loader import layers_of, settings_from_layers
+    from vision_core.venues.palette_edit import color_tables, save_colors
+
+    layers = layers_of(venue, config)
+    settings = settings_from_layers(layers, complete_palette=False)
+    target = _layer_to_edit(venue, config, layers)
+    if save and target is None:
+        raise SettingsError("--save", found="no file of yours", accepted="--venue FILE.toml or --config FILE.toml")
+    camera = CameraSetup.from_settings(settings)
+    shown = [_sized_picture(picture, camera) for picture in pictures]
+    progress = Progress("finding colors")
+    try:
+        found = find_colors(shown, settings, lambda share, what: progress.show(f"{share:.0%} {what}"))
+    finally:
+        progress.show("")
+    for picture, read in zip(pictures, found.pictures, strict=True):
+        typer.echo(f"# {picture}: {read.robots} robots, {read.with_id} with id, {read.clear} clear; {read.balls} balls")
+    for paint in found.paints:
+        typer.echo(f"# {paint.name}: {paint.color}, seen on {paint.patches} patches")
+    for reason in found.reasons:
+        typer.echo(f"# {reason}")
+    typer.echo(color_tables(found.colors))
+    if not found.accepted:
+        raise typer.Exit(2)
+    if save and target is not None:
+        save_colors(layers, target, found.colors)
+        typer.echo(f"# saved in {target.name}", err=True)
+
+
 def _layer_to_edit(venue: str | None, config: Path | None, layers: "list[Layer]") -> "Layer | None":
     """The user's own file that samples belong into: --config, or a --venue that is a path; None: a shipped venue."""
     path = str(config) if config is not None else venue

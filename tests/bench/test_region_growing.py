@@ -25,13 +25,15 @@ from bench.region_growing.tracker import GrowingLimits, GrowingTracker
 from bench.segmenters import ReferenceSegmenter
 from vision_core.clock import Instant, after
 from vision_core.geometry import Bytes
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import ColorTable, References
 from vision_core.types.tables import Table
 from vision_core.venues.loader import load_settings
 
 CLASSES = ((np.arange(65536) >> 11) * 8 // 64).astype(np.uint8)
 CLASSES.setflags(write=False)
-TABLE = ColorTable(("", "a", "b", "c"), CLASSES, np.zeros((4, 3), np.uint8), ())
+TABLE = ColorTable(
+    ("", "a", "b", "c"), CLASSES, np.zeros((4, 3), np.uint8), (), References(np.zeros((4, 2)), np.zeros((4, 3)))
+)
 """Classes 1..3 are the blue levels 64, 128 and 192; everything darker is class 0."""
 A, B = color_of_classes(1), color_of_classes(2)
 START = Instant(1_000_000_000)
@@ -299,7 +301,7 @@ def test_stamps_are_cleared_before_their_numbers_overflow() -> None:
 
 
 def test_the_kernel_is_compiled_once() -> None:
-    table = ColorTable(TABLE.names, CLASSES.copy(), TABLE.mean_bgr, ())
+    table = ColorTable(TABLE.names, CLASSES.copy(), TABLE.mean_bgr, (), TABLE.references)
     labels = np.zeros((30, 40), dtype=np.int64)
     disc(labels, 20, 15, 4.0)
     for pixels in (picture(labels), picture(labels).copy(), picture(labels)[:, ::-1]):

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from bench.segmenters import ReferenceSegmenter
 from vision_core.geometry import Bytes
 from vision_core.settings.schema import BlobSettings
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import ColorTable, References
 from vision_core.types.tables import Table
 
 GREYS = 4
@@ -18,7 +18,13 @@ Row = tuple[int, int, float, float, int, int, int, int]
 
 def blue_table() -> ColorTable:
     classes = ((np.arange(65536) >> 11) * 8 // 64).astype(np.uint8)
-    return ColorTable(("", "a", "b", "c"), classes, np.zeros((GREYS, 3), np.uint8), ())
+    return ColorTable(
+        ("", "a", "b", "c"),
+        classes,
+        np.zeros((GREYS, 3), np.uint8),
+        (),
+        References(np.zeros((GREYS, 2)), np.zeros((GREYS, 3))),
+    )
 
 
 def picture(labels: NDArray[np.int64]) -> Bytes:

@@ -9,7 +9,7 @@ from vision_core.color.lookup_table import cell_centers, compile_color_table
 from vision_core.color.prefilter import fit_conditions, prefilter_from
 from vision_core.color.spaces import hsv_from_bgr
 from vision_core.geometry import Bytes
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import ColorTable, References
 from vision_core.types.prefilter import ColorPrefilter
 from vision_core.venues.loader import load_settings
 
@@ -39,7 +39,9 @@ def corners(table: ColorTable) -> Bytes:
 
 
 def table_of(classes: Bytes) -> ColorTable:
-    return ColorTable(("", "a"), classes, np.zeros((2, 3), np.uint8), ())
+    return ColorTable(
+        ("", "a"), classes, np.zeros((2, 3), np.uint8), (), References(np.zeros((2, 2)), np.zeros((2, 3)))
+    )
 
 
 def assert_sound(table: ColorTable) -> ColorPrefilter:

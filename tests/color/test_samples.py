@@ -1,19 +1,28 @@
-"""Classes by samples: the nearest sample decides, and nothing reaches farther than the tolerance."""
+"""Classes by samples: a reference with its spread; what agrees best decides, and nothing reaches too far."""
 
 import msgspec
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from vision_core.color.explain import verdicts
 from vision_core.color.lookup_table import cell_centers, compile_color_table
-from vision_core.color.samples import bgr_from_hex, claims_by_samples, hex_from_bgr, nearest_samples
-from vision_core.color.spaces import ycc_from_bgr
+from vision_core.color.samples import (
+    Measured,
+    bgr_from_hex,
+    claims_by_samples,
+    distances,
+    hex_from_bgr,
+    measured_from,
+    places_of,
+    references_from,
+)
 from vision_core.settings.schema import ColorRange, SamplingSettings
 from vision_core.venues.loader import load_settings
 
 COLORS = load_settings().colors
-SAMPLING = SamplingSettings(tolerance=25.0, luma_weight=0.3)
+SAMPLING = SamplingSettings(spread=0.12, tolerance=3.5)
 SAMPLES = {
     "orange": ("#e06a2c", "#b84e1f"),
     "none": ("#3c7a44", "#d8dcd2"),
@@ -36,20 +45,39 @@ def test_hex_is_a_name_of_a_color(blue: int, green: int, red: int) -> None:
     assert text == f"#{red:02x}{green:02x}{blue:02x}"
 
 
-@given(LEVEL, LEVEL, LEVEL)
-def test_the_nearest_sample_within_tolerance_decides(blue: int, green: int, red: int) -> None:
-    bgr = np.array([[blue, green, red]], dtype=np.float64)
-    scale = np.array([0.3, 1.0, 1.0])
-    flat = [(name, text) for name, texts in SAMPLES.items() for text in texts]
-    distances = [
-        float(np.linalg.norm((ycc_from_bgr(bgr) - ycc_from_bgr([bgr_from_hex(text)])) * scale)) for _, text in flat
+def test_a_class_keeps_its_colors_in_half_the_light_and_loses_them_to_glare_and_dark() -> None:
+    paper = np.array([[200.0, 110.0, 30.0]])
+    measured = Measured({"blue": paper}, np.zeros((0, 3)))
+    off = distances(np.array([paper[0], 0.5 * paper[0], 0.1 * paper[0], [200.0, 200.0, 200.0]]), measured, SAMPLING)[
+        :, 0
     ]
-    best = int(np.argmin(distances))
-    near = distances[best] <= SAMPLING.tolerance
-    claims = claims_by_samples(bgr, SAMPLES, SAMPLING)
+    assert off[0] == pytest.approx(0.0, abs=1e-6)
+    assert off[1] < SAMPLING.tolerance < off[2]
+    assert off[3] > SAMPLING.tolerance
+
+
+@given(LEVEL, LEVEL, LEVEL)
+def test_at_most_one_class_claims_a_color(blue: int, green: int, red: int) -> None:
+    places = places_of(np.array([[blue, green, red]], dtype=np.float64))
+    claims = claims_by_samples(places, measured_from(SAMPLES), SAMPLING)
     assert list(claims) == ["orange", "blue"]
-    for name, claim in claims.items():
-        assert bool(claim[0]) == (near and flat[best][0] == name)
+    assert sum(int(claim[0]) for claim in claims.values()) <= 1
+
+
+def test_a_dark_carpet_does_not_claim_a_bright_paper_of_its_hue() -> None:
+    paper, carpet = np.array([[90.0, 220.0, 80.0]]), np.array([[35.0, 80.0, 30.0]])
+    measured = Measured({"green": paper}, carpet)
+    claims = claims_by_samples(places_of(np.concatenate([paper, carpet])), measured, SAMPLING)["green"]
+    assert claims.tolist() == [True, False]
+
+
+def test_many_samples_tell_the_spread() -> None:
+    rng = np.random.default_rng(1)
+    papers = np.exp(rng.normal(np.log([60.0, 80.0, 200.0]), 0.3, (200, 3)))
+    wide, narrow = (
+        references_from(Measured({"red": rows}, papers[:0]), 0.1).spreads[0] for rows in (papers, papers[:1])
+    )
+    assert wide[0] > 2.0 * narrow[0]
 
 
 def test_samples_join_the_one_table_behind_the_ranges() -> None:
@@ -63,9 +91,9 @@ def test_samples_join_the_one_table_behind_the_ranges() -> None:
 
 
 def test_no_samples_claim_nothing() -> None:
-    assert claims_by_samples(cell_centers(), {}, SAMPLING) == {}
-    assert np.isinf(nearest_samples(cell_centers(), {}, SAMPLING)[1]).all()
-    claims = claims_by_samples(cell_centers(), {"orange": (), "none": ("#000000",)}, SAMPLING)
+    cells = places_of(cell_centers())
+    assert claims_by_samples(cells, measured_from({}), SAMPLING) == {}
+    claims = claims_by_samples(cells, measured_from({"orange": (), "none": ("#000000",)}), SAMPLING)
     assert not claims["orange"].any()
 
 
@@ -81,7 +109,7 @@ def test_verdicts_agree_with_the_table_and_name_the_miss() -> None:
     assert "misses 35..95 by" in pink.why
     assert orange.claims
     assert not blue.claims
-    assert "away" in blue.why
+    assert "spreads from the samples" in blue.why
 
 
 def test_a_grey_is_told_to_have_no_hue() -> None:

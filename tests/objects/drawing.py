@@ -8,6 +8,7 @@ import numpy as np
 
 from bench.segmenters import ReferenceSegmenter
 from vision_core.color.lookup_table import cell_centers, compile_color_table
+from vision_core.color.references import references_of
 from vision_core.geometry import Bytes, Floats, Mask, frozen, rotation
 from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.models.field import painted_points
@@ -54,7 +55,8 @@ def paint_table() -> ColorTable:
     apart = np.linalg.norm(cell_centers()[:, None] - paints, axis=2)
     classes = np.where(apart.min(axis=1) <= NEAR, apart.argmin(axis=1) + 1, 0).astype(np.uint8)
     means = np.vstack([np.zeros((1, 3)), paints]).astype(np.uint8)
-    return ColorTable(("", *names), frozen(classes), frozen(means), ())
+    references = references_of(classes, cell_centers(), 1 + len(names))
+    return ColorTable(("", *names), frozen(classes), frozen(means), (), references)
 
 
 PAINT_TABLE = paint_table()

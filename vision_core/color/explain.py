@@ -5,7 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.color.lookup_table import SPACES
-from vision_core.color.samples import hex_from_bgr, nearest_samples, sampled_names
+from vision_core.color.samples import (
+    claims_by_samples,
+    distances,
+    hex_from_bgr,
+    measured_from,
+    places_of,
+    sampled_names,
+)
 from vision_core.geometry import Floats
 from vision_core.settings.schema import ColorRange, ColorSettings
 
@@ -39,7 +46,7 @@ def verdicts(bgr: Floats, colors: ColorSettings) -> list[Verdict]:
         misses = [_misses(box, values) for box in boxes]
         best = min(misses, key=lambda parts: sum(miss for miss, _ in parts), default=[(1.0, "it has no box")])
         found.append(Verdict(name, not best, ", ".join(text for _, text in best), sum(miss for miss, _ in best)))
-    return [*found, *(_by_samples(bgr, name, colors) for name in sampled_names(colors.samples))]
+    return [*found, *_by_samples(bgr, colors)]
 
 
 def _misses(box: ColorRange, values: dict[str, float]) -> list[tuple[float, str]]:
@@ -67,18 +74,26 @@ def _beyond(value: float, low: float, high: float, *, is_angle: bool) -> float:
     return 0.0 if ahead <= span else min(ahead - span, 360.0 - ahead)
 
 
-def _by_samples(bgr: Floats, name: str, colors: ColorSettings) -> Verdict:
-    """The verdict of a class by samples."""
-    rows, limit = bgr.reshape(1, 3), colors.sampling.tolerance
-    place, distance = nearest_samples(rows, colors.samples, colors.sampling)
-    owner, text = [(owner, text) for owner, texts in colors.samples.items() for text in texts][int(place[0])]
-    if owner == name and distance[0] <= limit:
-        return Verdict(name, True, "", 0.0)
-    _, own = nearest_samples(rows, {name: colors.samples[name]}, colors.sampling)
-    why = f"its nearest sample is {own[0]:.1f} away, more than sampling.tolerance = {limit:g}"
-    if own[0] <= limit:
-        why = f"its nearest sample is {own[0]:.1f} away, but {text} of {owner} is {distance[0]:.1f} away"
-    return Verdict(name, False, why, float(own[0]) / 255.0)
+def _by_samples(bgr: Floats, colors: ColorSettings) -> list[Verdict]:
+    """The verdicts of the classes by samples."""
+    names = sampled_names(colors.samples)
+    if not names:
+        return []
+    rows, measured, limit = bgr.reshape(1, 3), measured_from(colors.samples), colors.sampling.tolerance
+    away = distances(rows, measured, colors.sampling)[0]
+    claims = claims_by_samples(places_of(rows), measured, colors.sampling)
+    nearest = names[int(away.argmin())]
+    found = []
+    for name, off in zip(names, away.tolist(), strict=True):
+        if claims[name][0]:
+            found.append(Verdict(name, True, "", 0.0))
+            continue
+        why = f"it is {off:.1f} spreads from the samples, more than sampling.tolerance = {limit:g}"
+        if off <= limit:
+            why = f"it is {off:.1f} spreads from the samples, but it agrees better with those of "
+            why += nearest if nearest != name and claims[nearest][0] else "none, or of another class"
+        found.append(Verdict(name, False, why, min(off, 100.0) / 100.0))
+    return found
 
 
 def in_words(bgr: Floats) -> str:

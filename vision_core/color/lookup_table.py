@@ -2,16 +2,26 @@
 
 from collections.abc import Collection
 from dataclasses import replace
+from functools import cache
 from itertools import combinations
 
 import numpy as np
 
-from vision_core.color.samples import claims_by_samples, sampled_names
+from vision_core.color.references import references_of
+from vision_core.color.samples import (
+    Measured,
+    Places,
+    claims_by_samples,
+    measured_from,
+    places_of,
+    references_from,
+    sampled_names,
+)
 from vision_core.color.spaces import ec_from_bgr, hsv_from_bgr, ymp_from_bgr
 from vision_core.errors import SettingsError
-from vision_core.geometry import Floats, Mask, frozen
-from vision_core.settings.schema import ColorRange, ColorSettings
-from vision_core.types.colors import CELL_COUNT, CELL_SIZE_BGR, ColorTable, cell_corner
+from vision_core.geometry import Bytes, Floats, Mask, frozen
+from vision_core.settings.schema import ColorRange, ColorSettings, SamplingSettings
+from vision_core.types.colors import CELL_COUNT, CELL_SIZE_BGR, ColorTable, References, cell_corner
 
 SPACES = {
     "hsv": (hsv_from_bgr, ("hue_deg", "saturation", "value")),
@@ -33,7 +43,8 @@ def compile_color_table(colors: ColorSettings) -> ColorTable:
     cells = cell_centers()
     coordinates = dict(zip(axes, convert(cells).T, strict=True))
     claims = {name: _claim(boxes, coordinates) for name, boxes in colors.classes.items()}
-    claims |= claims_by_samples(cells, colors.samples, colors.sampling)
+    measured = measured_from(colors.samples)
+    claims |= claims_by_samples(_places_of_cells(), measured, colors.sampling)
     classes = np.zeros(CELL_COUNT, dtype=np.uint8)
     for number, claim in reversed(list(enumerate(claims.values(), start=1))):
         classes[claim] = number
@@ -47,7 +58,31 @@ def compile_color_table(colors: ColorSettings) -> ColorTable:
         classes=frozen(classes),
         mean_bgr=frozen(np.array(means).round().astype(np.uint8)),
         disputed=tuple(overlap for overlap in overlaps if overlap[2]),
+        references=_references(classes, cells, len(colors.classes), measured, colors.sampling.spread),
     )
+
+
+def compile_samples(measured: Measured, sampling: SamplingSettings) -> ColorTable:
+    """The table of classes by samples alone."""
+    claims = claims_by_samples(_places_of_cells(), measured, sampling)
+    classes = np.zeros(CELL_COUNT, dtype=np.uint8)
+    for number, claim in enumerate(claims.values(), start=1):
+        classes[claim] = number
+    means = [np.full(3, 127.0), *(colors.mean(axis=0) for colors in measured.classes.values())]
+    return ColorTable(
+        names=("", *claims),
+        classes=frozen(classes),
+        mean_bgr=frozen(np.clip(means, 0.0, 255.0).round().astype(np.uint8)),
+        disputed=(),
+        references=_references(classes, cell_centers(), 0, measured, sampling.spread),
+    )
+
+
+def _references(classes: Bytes, cells: Floats, by_ranges: int, measured: Measured, spread: float) -> References:
+    """What the classes look like: those by ranges by their cells, those by samples by these."""
+    ranged, sampled = references_of(classes, cells, 1 + by_ranges), references_from(measured, spread)
+    means = np.concatenate([ranged.means, sampled.means])
+    return References(frozen(means), frozen(np.concatenate([ranged.spreads, sampled.spreads])))
 
 
 def keep_classes(table: ColorTable, names: Collection[str]) -> ColorTable:
@@ -60,6 +95,11 @@ def cell_centers() -> Floats:
     """Blue green red at the middle of every cell of the table, in its order, shape (65536, 3)."""
     corner = np.column_stack(cell_corner(np.arange(CELL_COUNT)))
     return corner + (np.array(CELL_SIZE_BGR) - 1) / 2.0
+
+
+@cache
+def _places_of_cells() -> Places:
+    return places_of(cell_centers())
 
 
 def _claim(boxes: tuple[ColorRange, ...], coordinates: dict[str, Floats]) -> Mask:

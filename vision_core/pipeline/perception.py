@@ -6,6 +6,7 @@ the whole frame is searched at once, in the same call.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
@@ -17,7 +18,7 @@ from vision_core.clock import NS_PER_S, Clock, Instant, ManualClock
 from vision_core.color.light import Lighting
 from vision_core.color.lookup_table import compile_color_table, keep_classes
 from vision_core.color.prefilter import prefilter_from
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.camera_kernels import CameraMap, camera_map_from, pixel_from_field, pixels_per_square_metre
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
@@ -30,8 +31,9 @@ from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_fi
 from vision_core.patterns.geometry import width_mm
 from vision_core.patterns.loader import CODE, TEAM, Pattern, load_pattern
 from vision_core.settings.schema import Settings
+from vision_core.types.colors import ColorTable, References
 from vision_core.types.image import ImageFrame
-from vision_core.types.prefilter import ColorPrefilter
+from vision_core.types.prefilter import CONDITIONS, ColorPrefilter
 from vision_core.types.tables import BLOB, MAX_BALLS, MAX_ROBOTS, TEAMS, SightingsTable, Table
 
 Row: TypeAlias = Any
@@ -132,6 +134,26 @@ def _place_windows(frame: Row, gap_s: float, context: PerceptionContext) -> int:
     return count
 
 
+class _ColorMemory:
+    """The memory in which kernels read the colors: they see it as it is, so new colors cost a frame nothing."""
+
+    def __init__(self, table: ColorTable) -> None:
+        self._classes, self._searched = np.zeros_like(table.classes), np.zeros_like(table.classes)
+        self._means, self._spreads = np.zeros_like(table.references.means), np.zeros_like(table.references.spreads)
+        self._limits = np.zeros((2, CONDITIONS), dtype=np.uint8)
+        references = References(frozen(self._means.view()), frozen(self._spreads.view()))
+        self.table = replace(table, classes=frozen(self._classes.view()), references=references)
+        """What kernels are given."""
+        self.searched: Bytes = frozen(self._searched.view())
+        self.prefilter = ColorPrefilter(frozen(self._limits[0].view()), frozen(self._limits[1].view()))
+
+    def hold(self, table: ColorTable, searched: ColorTable) -> None:
+        """Write a table into the memory. searched: the same without the classes that are not searched."""
+        self._classes[:], self._searched[:] = table.classes, searched.classes
+        self._means[:], self._spreads[:] = table.references.means, table.references.spreads
+        self._limits[:] = prefilter_from(searched)
+
+
 class Perception:
     """Perceives the frames of one camera. Its state is where robots and ball were in the last frame.
 
@@ -142,6 +164,7 @@ class Perception:
         self.settings = settings
         self.camera = camera
         self.table = compile_color_table(settings.colors)
+        self._colors = _ColorMemory(self.table)
         self.lighting = Lighting(settings, camera)
         self.context = self._context()
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
@@ -165,12 +188,26 @@ class Perception:
         self.perceive(dark, ManualClock())
         self.lighting.warm_up()
 
+    def recolor(self, table: ColorTable) -> None:
+        """See the next frames with other colors of the same classes. Raises ValueError for other classes."""
+        if table.names != self.table.names:
+            raise ValueError(f"classes {table.names}; accepted: {self.table.names}")
+        self.table = table
+        self._colors.hold(table, keep_classes(table, self._searched_names))
+
     def perceive(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
         """The sightings of a frame of the configured size. The next call overwrites the table.
 
         A frame that is not later than the last one is searched whole, as a single picture.
         """
-        pixels = read_only(self.lighting.lit(frame.pixels, frame.grabbed))
+        return self._seen_in(frame, self.lighting.lit(frame.pixels, frame.grabbed), clock)
+
+    def perceive_lit(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
+        """The same for a frame that is in the light of the settings."""
+        return self._seen_in(frame, frame.pixels, clock)
+
+    def _seen_in(self, frame: ImageFrame, lit: Bytes, clock: Clock) -> SightingsTable:
+        pixels = read_only(lit)
         gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else -1.0
         self.blob_count = perceive_picture(pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
         self.raw, self.pixels, self._last = frame.pixels, pixels, frame.grabbed
@@ -181,19 +218,21 @@ class Perception:
         settings = self.settings
         shapes = [robots_of(settings.robots, team) for team in TEAMS]
         patterns = {name: load_pattern(name) for name in {shape.pattern for shape in shapes}}
-        robots = robot_finder(settings, self.table)
+        table = self._colors.table
+        robots = robot_finder(settings, table)
         colors = {color for pattern in patterns.values() for color in _colors_of(pattern)}
-        searched = keep_classes(self.table, {*TEAMS, *colors, settings.ball.color})
+        self._searched_names = {*TEAMS, *colors, settings.ball.color}
+        self._colors.hold(self.table, keep_classes(self.table, self._searched_names))
         radius = settings.ball.radius_m
         rows_apart = min_height_px(self._smallest_px(patterns.values()), settings.blobs.row_step)
         return PerceptionContext(
-            classes=self.table.classes,
-            searched=searched.classes,
-            prefilter=prefilter_from(searched),
+            classes=table.classes,
+            searched=self._colors.searched,
+            prefilter=self._colors.prefilter,
             camera=camera_map_from(self.camera.model),
             segment=segment_buffers(*self.camera.size_px, settings.blobs, rows_apart, bits_of(self.camera.masked)),
             robots=robots,
-            balls=ball_finder(settings, self.table),
+            balls=ball_finder(settings, table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),
             radii_m=np.array([*(2.0**0.5 * shape.radius_m for shape in shapes), radius]),
             windows=np.zeros((MAX_ROBOTS + MAX_BALLS, 4), dtype=np.int32),

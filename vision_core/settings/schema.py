@@ -184,12 +184,15 @@ class LightSettings(Record, frozen=True):
 
 
 class SamplingSettings(Record, frozen=True):
-    """How near a color must be to a sample to be of its class, in levels of the chroma."""
+    """How near a color must be to the samples of a class to be of it."""
 
-    tolerance: Annotated[
-        float, Meta(gt=0.0, le=255.0, description="a color farther than this from all samples has no class")
+    spread: Annotated[
+        float,
+        Meta(gt=0.0, le=2.0, description="deviation of log B/G and log R/G within a class of few samples"),
     ]
-    luma_weight: Annotated[float, Meta(ge=0.0, le=4.0, description="weight of a level of luma beside one of chroma")]
+    tolerance: Annotated[
+        float, Meta(gt=0.0, le=20.0, description="a color farther than so many spreads from a class is not of it")
+    ]
 
 
 class ColorSettings(Record, frozen=True):

@@ -1,11 +1,11 @@
 """2. image -> color classes."""
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from vision_core.geometry import Bytes, frozen
+from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.types.reasons import Reason
 
 Levels: TypeAlias = tuple[float, float, float]
@@ -33,6 +33,29 @@ def cell_index(blue: Any, green: Any, red: Any) -> Any:
 def cell_corner(index: Any) -> tuple[Any, Any, Any]:
     """The smallest blue, green and red of a cell, for integers or integer arrays."""
     return (index >> 11) * 8, (index >> 5 & 63) * 4, (index & 31) * 8
+
+
+DARK_LEVEL = 24.0
+"""Added to every channel before ratios are taken [grey levels]: near black they are noise."""
+
+
+def chromaticity(bgr: Floats) -> Floats:
+    """log B/G and log R/G of colors: shape (..., 3) -> (..., 2).
+
+    Half the light leaves it as it is, and another color of the light adds the same vector to every paint (von Kries),
+    so that what differs between two papers of one marker stays.
+    """
+    logs = np.log(np.asarray(bgr, dtype=np.float64) + DARK_LEVEL)
+    return np.stack([logs[..., 0] - logs[..., 1], logs[..., 2] - logs[..., 1]], axis=-1)
+
+
+class References(NamedTuple):
+    """What each class of a color table looks like. Kernels take it as one argument."""
+
+    means: Floats
+    """Chromaticity of every class, shape (classes, 2)."""
+    spreads: Floats
+    """Its covariance: xx, xy, yy; shape (classes, 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +87,7 @@ class ColorTable:
     """A typical color of each class, to draw it; shape (len(names), 3)."""
     disputed: tuple[tuple[str, str, int], ...]
     """Pairs of classes that claim the same cells, and how many cells; the class named first gets them."""
+    references: References
 
     def index(self, name: str) -> int:
         """Number of a class by its name."""

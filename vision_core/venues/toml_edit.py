@@ -17,8 +17,7 @@ def with_values(text: str, table: str, values: Mapping[str, str]) -> str:
     end of a line stays.
     """
     lines = text.splitlines()
-    name = r"\s*\.\s*".join(map(re.escape, table.split(".")))
-    header = re.compile(rf"^\s*\[\s*{name}\s*\]")
+    header = _header(table)
     found = [number for number, line in enumerate(lines) if header.match(line)]
     if not found:
         gap = [""] if lines and lines[-1].strip() else []
@@ -31,6 +30,23 @@ def with_values(text: str, table: str, values: Mapping[str, str]) -> str:
         comment = _comment(lines[first]) if last == first + 1 else ""
         lines[first:last] = [f"{key} = {value}{comment}"]
     return "\n".join([*lines, ""])
+
+
+def without_table(text: str, table: str) -> str:
+    """A file's text without a table that has a header of its own, and without the comments in it."""
+    lines = text.splitlines()
+    header = _header(table)
+    start = next((number for number, line in enumerate(lines) if header.match(line)), None)
+    if start is None:
+        return text
+    end = next((number for number in range(start + 1, len(lines)) if ANY_HEADER.match(lines[number])), len(lines))
+    return "\n".join([*lines[:start], *lines[end:], ""])
+
+
+def _header(table: str) -> re.Pattern[str]:
+    """What the header of a table looks like."""
+    name = r"\s*\.\s*".join(map(re.escape, table.split(".")))
+    return re.compile(rf"^\s*\[\s*{name}\s*\]")
 
 
 def assignment(lines: list[str], start: int, end: int, name: str) -> tuple[int, int]:

@@ -1,21 +1,22 @@
 """Markers read as a whole: ids without blobs, refusals of what is covered, overexposed or alike."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.objects.drawing import PAINT_TABLE, Picture
 from tests.objects.finding import empty_picture, finder_of, middle
-from vision_core.geometry import Bytes, frozen
+from vision_core.color.lookup_table import cell_centers
+from vision_core.color.references import references_of
+from vision_core.geometry import Bytes
 from vision_core.models.camera_kernels import camera_map_from
 from vision_core.native.kernels import read_only
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots
 from vision_core.objects.robots.marker_reading import read_marker
-from vision_core.objects.robots.references import chromaticity, references_of
 from vision_core.patterns.loader import load_pattern
+from vision_core.types.colors import chromaticity
 from vision_core.types.tables import MAX_ROBOTS, NO_ID, ROBOT, Table
 
 SSL = load_pattern("ssl-standard")
@@ -85,8 +86,7 @@ def test_chromaticity_is_the_same_in_half_the_light_and_shifts_in_warmer_light()
 
 
 def test_a_class_without_colors_is_known_by_nothing() -> None:
-    empty = replace(PAINT_TABLE, names=(*PAINT_TABLE.names, "none"), mean_bgr=frozen(np.zeros((12, 3), dtype=np.uint8)))
-    references = references_of(empty)
+    references = references_of(PAINT_TABLE.classes, cell_centers(), len(PAINT_TABLE.names) + 1)
     assert references.spreads[-1].tolist() == [4.0, 0.0, 4.0]
 
 

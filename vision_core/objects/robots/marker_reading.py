@@ -23,7 +23,7 @@ from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.native.kernels import kernel
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.markers import Marker
-from vision_core.objects.robots.references import DARK_LEVEL, MIN_SPREAD
+from vision_core.types.colors import DARK_LEVEL
 from vision_core.types.tables import NO_ID
 
 Row: TypeAlias = Any
@@ -37,6 +37,8 @@ COUNT, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY = range(6)
 
 SATURATED_LEVEL = 253.5
 MAX_UNEVEN = 50.0
+MIN_SPREAD = 0.1
+"""Least standard deviation of a paint's chromaticity: print, glare and noise."""
 PRIOR_COUNT = 0.3
 """Patches that the color table's reference counts for."""
 LIGHT_SD = 0.08

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats, Mask, frozen
-from vision_core.objects.robots.references import References, references_of
 from vision_core.objects.robots.shapes import (
     HEADING_STEPS,
     MIN_STEPS_APART,
@@ -22,7 +21,7 @@ from vision_core.objects.robots.shapes import (
 from vision_core.patterns.geometry import area_mm2, centroid_mm, depth_mm, inner_points_mm
 from vision_core.patterns.loader import CODE, TEAM, Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import ColorTable, References
 from vision_core.types.objects import Team
 
 Integers = NDArray[np.int64]
@@ -141,7 +140,7 @@ def marker_of(
         ids=frozen(np.array(list(pattern.code_by_id), dtype=np.int64)),
         worn=frozen(_worn(pattern, [anchor, *others], team, table)),
         patch_points_m=frozen(np.array([_inner_points_m(pattern.patches[index]) for index in (anchor, *others)])),
-        references=references_of(table),
+        references=table.references,
         min_slots_for_heading=min_slots,
         min_slots_with_shape=min_slots_with_shape,
     )

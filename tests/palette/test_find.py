@@ -1,0 +1,58 @@
+"""Colors found in pictures: on rendered fields with papers that nobody has named."""
+
+import pytest
+
+from tests.palette.rendered import other_paper, papers, rendered, right_and_wrong
+from vision_core.palette.find import find_colors, find_palette
+from vision_core.palette.light import light_from
+from vision_core.palette.result import TOO_NEAR
+from vision_core.palette.trial import Trial
+from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.venues.loader import load_settings
+
+
+@pytest.mark.parametrize(("venue", "seed"), [("demo-vsss", 1), ("demo-vsss", 2), (None, 3)])
+def test_papers_of_other_suppliers_are_found(venue: str | None, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = load_settings(venue)
+    shown = rendered(settings, papers(seed), monkeypatch, 3)
+    trial = Trial(settings, light_from(shown[0][0], settings))
+    pictures = [trial.prepared(pixels) for pixels, _ in shown]
+    found = find_palette(trial, pictures[:2])
+    trial.use(found.measured, found.sampling)
+    scores = [right_and_wrong(trial.judge(picture), truth) for picture, (_, truth) in zip(pictures, shown, strict=True)]
+    true, right, wrong = (sum(column) for column in zip(*scores, strict=True))
+    assert wrong == 0
+    assert right >= 0.9 * true
+
+
+def test_the_result_is_a_venue_s_colors_and_says_what_was_not_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = load_settings("demo-vsss")
+    ((pixels, _),) = rendered(settings, PAINTS_BGR, monkeypatch, 1)
+    said: list[str] = []
+    found = find_colors([pixels], settings, lambda share, what: said.append(f"{share:.1f} {what}"))
+    assert found.accepted
+    assert set(found.colors.samples) == {*(paint.name for paint in found.paints), "none"}
+    assert not found.colors.classes
+    assert found.pictures[0].robots == 6
+    unseen = [paint.name for paint in found.paints if not paint.patches]
+    assert all(any(name in str(reason) for reason in found.reasons) for name in unseen)
+    assert said[0].startswith("0.0 searching for shapes")
+    assert "learning from what is read" in said[-1]
+
+
+def test_papers_that_are_too_alike_are_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = load_settings("demo-vsss")
+    alike = {**PAINTS_BGR, "magenta": other_paper(PAINTS_BGR["red"], -4.0, 1.0)}
+    shown = rendered(settings, alike, monkeypatch, 2)
+    found = find_colors([pixels for pixels, _ in shown], settings)
+    pairs = {frozenset((pair.one, pair.other)) for pair in found.near if pair.spreads < TOO_NEAR}
+    assert frozenset(("red", "magenta")) in pairs, (found.near, found.reasons, found.pictures, found.paints)
+
+
+def test_a_picture_without_robots_is_refused_with_a_reason() -> None:
+    settings = load_settings("demo-vsss")
+    from vision_core.models.camera_setup import CameraSetup
+
+    found = find_colors([CameraSetup.from_settings(settings).black_image()], settings)
+    assert not found.accepted
+    assert "no robot's marker is read clearly" in str(found.reasons[0])

@@ -1,0 +1,116 @@
+"""A palette from pictures alone: nobody has named a color.
+
+Many first guesses (``starts``) are judged by the hot path itself (``trial``); from the best ones on, what is read
+teaches what the paints and the floor look like, and with these colors the pictures are read again, until nothing gets
+better. The palette under which the pictures are explained best wins.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision_core.color.samples import Measured, claims_by_samples, places_of
+from vision_core.geometry import Bytes
+from vision_core.palette.learn import LEARNED, learn
+from vision_core.palette.light import light_from
+from vision_core.palette.result import ColorsFound, result_of
+from vision_core.palette.starts import FIRST, starts_for
+from vision_core.palette.trial import Judged, Picture, Trial
+from vision_core.settings.schema import SamplingSettings, Settings
+
+Progress: TypeAlias = Callable[[float, str], None]
+"""Called with the share that is done, 0..1, and what is done next. It may raise an exception to cancel."""
+
+
+def _nothing(_share: float, _what: str) -> None:
+    """Show no progress."""
+
+
+MAX_COVERED = 0.15
+"""A palette under which more of the field is colored is not tried: it takes long, and it cannot be right."""
+FIRST_PICTURES = 3
+"""The first guesses are judged by so many pictures."""
+REFINED = 6
+"""So many of the first guesses of each kind are refined."""
+ROUNDS = 5
+GUESS_SHARE = 0.95
+"""Learned colors are preferred to guessed ones that score a little more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """Colors, and what is read by them."""
+
+    measured: Measured
+    sampling: SamplingSettings
+    counts: NDArray[np.int64]
+    """Patches from which each paint was learned, shape (paints,)."""
+    score: float
+    judged: tuple[Judged, ...]
+    """Of each picture."""
+
+
+def find_colors(pictures: Sequence[Bytes], settings: Settings, progress: Progress = _nothing) -> ColorsFound:
+    """The colors of a venue's paints, from pictures that show robots in about the same light.
+
+    pictures: at least one, shape (height, width, 3), of the camera's size; settings: with the camera, the field, the
+    patterns and the ball; their colors are not used. Raises SettingsError for a pattern that cannot be read.
+    """
+    trial = Trial(settings, light_from(pictures[0], settings))
+    prepared = [trial.prepared(pixels) for pixels in pictures]
+    return result_of(trial, find_palette(trial, prepared, progress))
+
+
+def find_palette(trial: Trial, pictures: Sequence[Picture], progress: Progress = _nothing) -> Palette:
+    """The palette that explains pictures best."""
+    progress(0.0, "searching for shapes of markers")
+    first = pictures[:FIRST_PICTURES]
+    starts = starts_for(trial, first)
+    tried: dict[str, list[Palette]] = {}
+    progress(0.3, f"trying {len(starts)} first guesses")
+    for kind, measured in starts:
+        if _covered(measured, FIRST, first[0]) <= MAX_COVERED:
+            tried.setdefault(kind, []).append(judged_with(trial, first, measured, FIRST))
+    chosen = [one for kind in tried.values() for one in sorted(kind, key=lambda one: -one.score)[:REFINED]]
+    best: Palette | None = None
+    for number, start in enumerate(chosen):
+        progress(0.5 + 0.5 * number / len(chosen), f"learning from what is read, guess {number + 1} of {len(chosen)}")
+        found = refined(trial, pictures, start)
+        if best is None or found.score > best.score:
+            best = found
+    return best or judged_with(trial, pictures, starts[0][1], FIRST)
+
+
+def refined(trial: Trial, pictures: Sequence[Picture], start: Palette) -> Palette:
+    """Learn from what is read, read again, and so on; the best of all."""
+    best = last = judged_with(trial, pictures, start.measured, start.sampling)
+    for _ in range(ROUNDS):
+        measured, counts = learn(trial, pictures, last.judged)
+        if _covered(measured, LEARNED, pictures[0]) > MAX_COVERED:
+            break
+        last = judged_with(trial, pictures, measured, LEARNED, counts)
+        if last.score > (best.score if best.counts.any() else GUESS_SHARE * best.score):
+            best = last
+        elif best.counts.any():
+            break
+    return best
+
+
+def judged_with(
+    trial: Trial, pictures: Sequence[Picture], measured: Measured, sampling: SamplingSettings,
+    counts: NDArray[np.int64] | None = None,
+) -> Palette:  # fmt: skip
+    """What is read in pictures with a palette."""
+    trial.use(measured, sampling)
+    judged = tuple(trial.judge(picture) for picture in pictures)
+    none = np.zeros(len(trial.paints), dtype=np.int64)
+    return Palette(measured, sampling, none if counts is None else counts, sum(one.score for one in judged), judged)
+
+
+def _covered(measured: Measured, sampling: SamplingSettings, picture: Picture) -> float:
+    """Share of a picture's field that has a class."""
+    claims = claims_by_samples(places_of(picture.floor_bgr[::5]), measured, sampling)
+    return sum(float(claim.mean()) for claim in claims.values())

@@ -1,0 +1,145 @@
+"""What was found: the colors as settings, how sure they are, and what people should do about it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from vision_core.color.samples import NONE, hex_from_bgr, references_from
+from vision_core.palette.learn import LEARNED
+from vision_core.palette.trial import BALL, Trial
+from vision_core.settings.schema import ColorSettings
+from vision_core.types.reasons import Reason
+
+if TYPE_CHECKING:
+    from vision_core.palette.find import Palette
+
+TOO_NEAR, NEAR = 2.5, 4.0
+"""Papers whose colors lie less than this many spreads apart are not told apart for sure; nearly so."""
+LEAST_SPREAD = 0.1
+"""One picture shows less of a paint's spread than a match does."""
+CLEAR_EVIDENCE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class PaintFound:
+    """The color of one paint."""
+
+    name: str
+    color: str
+    """Its mean, "#rrggbb"."""
+    patches: int
+    """How many patches show it; 0: no robot that was read wears it, and its name alone tells it."""
+
+
+@dataclass(frozen=True, slots=True)
+class NearPaints:
+    """Two papers that look alike."""
+
+    one: str
+    other: str
+    spreads: float
+    """How far apart they are."""
+
+
+@dataclass(frozen=True, slots=True)
+class PictureRead:
+    """What is read in one picture with the colors."""
+
+    robots: int
+    with_id: int
+    clear: int
+    """Robots whose markers the picture shows clearly."""
+    balls: int
+
+
+@dataclass(frozen=True, slots=True)
+class ColorsFound:
+    """Colors of a venue. ``colors`` replaces its [colors], classes, samples and light."""
+
+    colors: ColorSettings
+    paints: tuple[PaintFound, ...]
+    near: tuple[NearPaints, ...]
+    pictures: tuple[PictureRead, ...]
+    reasons: tuple[Reason, ...]
+    """What is doubtful, and what to do; none when everything is clear."""
+
+    @property
+    def accepted(self) -> bool:
+        """Is any robot read clearly, and are all papers told apart?"""
+        return any(one.clear for one in self.pictures) and all(pair.spreads >= TOO_NEAR for pair in self.near)
+
+
+def result_of(trial: Trial, palette: "Palette") -> ColorsFound:
+    """A palette in the form that people and files use."""
+    measured = palette.measured
+    samples = {name: tuple(hex_from_bgr(bgr) for bgr in colors.tolist()) for name, colors in measured.classes.items()}
+    samples[NONE] = tuple(hex_from_bgr(bgr) for bgr in measured.none.tolist())
+    colors = msgspec.structs.replace(
+        trial.settings.colors, classes={}, samples=samples, sampling=palette.sampling, light=trial.settings.colors.light
+    )
+    paints = tuple(
+        PaintFound(name, hex_from_bgr(np.median(measured.classes[name], axis=0).tolist()), int(count))
+        for name, count in zip(trial.paints, palette.counts, strict=True)
+    )
+    pictures = tuple(
+        PictureRead(
+            len(one.robots), int((one.robots["id"] >= 0).sum()), int((one.evidence >= CLEAR_EVIDENCE).sum()),
+            len(one.balls),
+        )
+        for one in palette.judged
+    )  # fmt: skip
+    near = _near_paints(trial, palette)
+    return ColorsFound(colors, paints, near, pictures, tuple(_reasons(paints, near, pictures)))
+
+
+def _near_paints(trial: Trial, palette: "Palette") -> tuple[NearPaints, ...]:
+    """Pairs of seen paints that a robot could wear in each other's place, or the ball's and another one."""
+    references = references_from(palette.measured, LEARNED.spread)
+    found = []
+    for one, other in sorted(_confusable(trial)):
+        if not (palette.counts[one] and palette.counts[other]):
+            continue
+        apart = references.means[one] - references.means[other]
+        xx, xy, yy = (references.spreads[one] + references.spreads[other]) / 2.0
+        more = max(LEAST_SPREAD**2 - (xx + yy) / 2.0, 0.0)
+        xx, yy = xx + more, yy + more
+        away = (yy * apart[0] ** 2 - 2.0 * xy * apart[0] * apart[1] + xx * apart[1] ** 2) / (xx * yy - xy * xy)
+        if away < NEAR**2:
+            found.append(NearPaints(trial.paints[one], trial.paints[other], round(float(np.sqrt(away)), 1)))
+    return tuple(found)
+
+
+def _confusable(trial: Trial) -> set[tuple[int, int]]:
+    ball = int(trial.kinds[BALL].worn[0, 0])
+    pairs = set()
+    for kind in trial.kinds[:BALL]:
+        for patch in kind.worn.T:
+            alternatives = {*patch.tolist(), ball}
+            pairs |= {(a, b) for a in alternatives for b in alternatives if a < b}
+    teams = [int(kind.worn[0, 0]) for kind in trial.kinds[:BALL]]
+    return pairs | {(min(teams), max(teams))}
+
+
+def _reasons(
+    paints: tuple[PaintFound, ...], near: tuple[NearPaints, ...], pictures: tuple[PictureRead, ...]
+) -> list[Reason]:
+    reasons = []
+    if not any(one.clear for one in pictures):
+        reasons.append(Reason(
+            "no robot's marker is read clearly",
+            "Check the pattern, the robots' height and the camera, or give pictures that show more robots.",
+        ))  # fmt: skip
+    for pair in near:
+        word = "too alike" if pair.spreads < TOO_NEAR else "alike"
+        reasons.append(Reason(
+            f"{pair.one} and {pair.other} are {word}: {pair.spreads:g} spreads apart",
+            f"Give one of them another paper; {NEAR:g} spreads and more are told apart in any light.",
+        ))  # fmt: skip
+    if unseen := [one.name for one in paints if not one.patches]:
+        reasons.append(Reason(
+            f"no picture shows {', '.join(unseen)}",
+            "Add a picture with a robot that wears it; until then its name alone says how it looks.",
+        ))  # fmt: skip
+    return reasons

@@ -1,0 +1,200 @@
+"""The hot path as the judge of a palette: how well do these colors explain these pictures?
+
+A picture counts what is read in it: for every robot its confidence, times how clearly the picture shows its marker at
+its place (``marker_search.score_of``, which knows no colors), so that a reading of carpet and shadows is worth
+nothing. Colored areas on the field that belong to no robot and no ball count against the palette.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+
+from vision_core.clock import Instant, ManualClock
+from vision_core.color.light import field_samples
+from vision_core.color.lookup_table import compile_samples
+from vision_core.color.samples import Measured, hex_from_bgr
+from vision_core.geometry import Bytes, Floats
+from vision_core.models.camera_kernels import CameraMap, camera_map_from
+from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.field import accepted_half_extent
+from vision_core.models.from_settings import robots_of
+from vision_core.palette.marker_search import Candidate, PixelPlaces, Scene, find_candidates, scene_of, score_of
+from vision_core.palette.template import NEUTRAL, Template, disc_template, template_of
+from vision_core.patterns.loader import TEAM, Pattern, load_pattern
+from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.pipeline.perception import Perception
+from vision_core.settings.schema import LightSettings, SamplingSettings, Settings
+from vision_core.types.image import ImageFrame
+from vision_core.types.objects import Team
+from vision_core.types.tables import TEAMS, Table
+
+BALL = len(TEAMS)
+"""Index of the ball beside the teams."""
+SIZES = (0.9, 1.0)
+"""Of a marker as a share of the drawn one: papers are often cut smaller."""
+READ_GAIN, READ_COST = 2.0, 0.2
+"""A robot that is read is worth its confidence times READ_GAIN * evidence - READ_COST."""
+UNREAD_GAIN, UNREAD_COST = 0.15, 0.02
+CLUTTER_COST, MAX_CLUTTER = 0.05, 60.0
+"""Per area of a team's patch that is colored without a reason; areas beyond are counted as MAX_CLUTTER."""
+MAX_FLOOR_PIXELS = 80_000
+"""Pixels of a picture that are looked at to learn what the floor looks like."""
+ROBOT_RADII, BALL_RADII = 1.5, 2.0
+"""Colored areas so near to a robot or the ball belong to it."""
+
+
+class Kind(NamedTuple):
+    """A team's marker, or the ball."""
+
+    name: str
+    template: Template
+    height_m: float
+    ids: tuple[int, ...]
+    worn: np.ndarray
+    """Number of the paint of every patch of the template for every id, shape (ids, patches)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture in the light of the palette."""
+
+    pixels: Bytes
+    scene: Scene
+    floor_bgr: Floats
+    """Colors of a grid over the field, shape (n, 3)."""
+    discs: list[Candidate]
+    """Everything that has the shape of the ball."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What a palette reads in a picture."""
+
+    score: float
+    robots: Table
+    evidence: Floats
+    """How clearly the picture shows each robot's marker, 0 for one that is not read; shape (robots,)."""
+    balls: Table
+    clutter: float
+    """Colored areas without a reason, in areas of a team's patch."""
+
+
+def paints_of(settings: Settings) -> tuple[str, ...]:
+    """The color classes that the robots and the ball of some settings need, the teams' first.
+
+    Raises SettingsError for a pattern that cannot be read.
+    """
+    names: dict[str, None] = dict.fromkeys(str(team) for team in TEAMS)
+    for team in TEAMS:
+        pattern = load_pattern(robots_of(settings.robots, team).pattern)
+        names |= dict.fromkeys(color for number in pattern.code_by_id for color in pattern.colors_worn(team, number))
+    return tuple(names | {settings.ball.color: None})
+
+
+class Trial:
+    """Sees pictures of one camera with one palette after another."""
+
+    def __init__(self, settings: Settings, light: LightSettings) -> None:
+        self.paints = paints_of(settings)
+        self.typical = np.array([PAINTS_BGR.get(name, (127, 127, 127)) for name in self.paints], dtype=np.float64)
+        """Blue, green, red of every paint as its name says, shape (paints, 3)."""
+        samples = {name: (hex_from_bgr(bgr.tolist()),) for name, bgr in zip(self.paints, self.typical, strict=True)}
+        colors = msgspec.structs.replace(settings.colors, classes={}, samples=samples, light=light)
+        self.settings = msgspec.structs.replace(settings, colors=colors)
+        self.camera = CameraSetup.from_settings(self.settings)
+        self.camera_map: CameraMap = camera_map_from(self.camera.model)
+        self.half_extent_m = accepted_half_extent(settings.field)
+        self._perception = Perception(self.settings, self.camera)
+        self._floor: PixelPlaces = field_samples(
+            self.camera.model, settings.field, self.camera.size_px, -settings.field.margin_m
+        )
+        self.colorless = np.array([name in NEUTRAL for name in self.paints])
+        """Which paints are white or grey."""
+        self.kinds = tuple(self._kinds())
+        self.floor_px, self.floor_m = self._floor_grid()
+        """Pixels of the field and their places, shapes (n, 2)."""
+        self._patch_px = self._area_of_anchor()
+
+    def prepared(self, pixels: Bytes) -> Picture:
+        """A picture in the light of the settings. pixels: shape (height, width, 3), of the camera's size."""
+        lit = self._perception.lighting.lit(pixels, Instant(0)).copy()
+        floor = lit[self._floor[:, 1], self._floor[:, 0]].astype(np.float64)
+        scene, ball = scene_of(lit, self._floor), self.kinds[BALL]
+        discs = find_candidates(lit, scene, self.camera_map, ball.template, ball.height_m, self.half_extent_m)
+        return Picture(lit, scene, floor, discs)
+
+    def use(self, measured: Measured, sampling: SamplingSettings) -> None:
+        """See the next pictures with a palette, which has all paints in their order."""
+        self._perception.recolor(compile_samples(measured, sampling))
+
+    def judge(self, picture: Picture) -> Judged:
+        """What the palette reads in a picture."""
+        frame = ImageFrame(self.camera.name, 1, Instant(0), picture.pixels)
+        seen = self._perception.perceive_lit(frame, ManualClock()).whole[0]
+        robots, balls = seen["robots"][: seen["counts"][0]].copy(), seen["balls"][: seen["counts"][1]].copy()
+        evidence, score = np.zeros(len(robots)), 0.0
+        for number, robot in enumerate(robots):
+            kind = self.kinds[robot["team"]]
+            shown = 0.0
+            if not math.isnan(robot["heading_rad"]):
+                pose = robot["x_m"], robot["y_m"], robot["heading_rad"]
+                at = kind.height_m
+                shown = max(score_of(picture.scene, self.camera_map, kind.template, at, *pose, size) for size in SIZES)
+            is_read = robot["id"] >= 0 if len(kind.ids) > 1 else shown > 0.0
+            if is_read:
+                evidence[number] = shown
+                score += robot["confidence"] * (READ_GAIN * shown - READ_COST)
+            else:
+                score += UNREAD_GAIN * shown - UNREAD_COST
+        clutter = self._clutter(robots, balls[:1])
+        return Judged(score - CLUTTER_COST * min(clutter, MAX_CLUTTER), robots, evidence, balls, clutter)
+
+    def _floor_grid(self) -> tuple[PixelPlaces, Floats]:
+        width, height = self.camera.size_px
+        step = max(1, round(math.sqrt(width * height / MAX_FLOOR_PIXELS)))
+        y, x = np.mgrid[0:height:step, 0:width:step]
+        pixels = np.column_stack([x.ravel(), y.ravel()]).astype(np.int32)
+        places = self.camera.model.field_from_pixel(pixels.astype(np.float64))
+        half = np.array([self.settings.field.length_m, self.settings.field.width_m]) / 2.0
+        with np.errstate(invalid="ignore"):
+            inside = (np.abs(places) < half).all(axis=1)
+        return pixels[inside], places[inside]
+
+    def _kinds(self) -> list[Kind]:
+        kinds = []
+        for team in TEAMS:
+            robots = robots_of(self.settings.robots, team)
+            pattern = load_pattern(robots.pattern)
+            worn = [
+                [self.paints.index(color) for color in _worn(pattern, team, number)] for number in pattern.code_by_id
+            ]
+            kinds.append(Kind(team, template_of(pattern), robots.height_m, tuple(pattern.code_by_id), np.array(worn)))
+        radius = self.settings.ball.radius_m
+        ball = np.array([[self.paints.index(self.settings.ball.color)]])
+        return [*kinds, Kind("ball", disc_template(radius), radius, (0,), ball)]
+
+    def _area_of_anchor(self) -> float:
+        """Area of the smaller team's patch in the middle of the field [px]."""
+        areas = [marker.anchor_area_m2 for marker in self._perception.context.robots.markers]
+        return min(areas) * float(self.camera.model.pixels_per_square_metre(np.zeros((1, 2)))[0])
+
+    def _clutter(self, robots: Table, balls: Table) -> float:
+        blobs = self._perception.blobs[: self._perception.blob_count]
+        places = self.camera.model.field_from_pixel(np.column_stack([blobs["x_px"], blobs["y_px"]]))
+        with np.errstate(invalid="ignore"):
+            left = (np.abs(places) < np.array(self.half_extent_m)).all(axis=1)
+        for things, radius in ((robots, 0.0), (balls, BALL_RADII * self.settings.ball.radius_m)):
+            for thing in things:
+                own = radius or ROBOT_RADII * robots_of(self.settings.robots, TEAMS[thing["team"]]).radius_m
+                left &= np.hypot(places[:, 0] - thing["x_m"], places[:, 1] - thing["y_m"]) > own
+        return float(blobs["area_px"][left].sum()) / self._patch_px
+
+
+def _worn(pattern: Pattern, team: Team, number: int) -> list[str]:
+    """The paints of a robot's patches, the team's patch first."""
+    colors = pattern.colors_worn(team, number)
+    anchor = next(index for index, patch in enumerate(pattern.patches) if patch.color == TEAM)
+    return [colors[anchor], *(color for index, color in enumerate(colors) if index != anchor)]
