@@ -231,7 +231,12 @@ def score_of(
     u0, v0 = pixel_from_field(camera, x_m, y_m, height_m)
     ahead_u, ahead_v = pixel_from_field(camera, x_m + c * arm, y_m + s * arm, height_m)
     left_u, left_v = pixel_from_field(camera, x_m - s * arm, y_m + c * arm, height_m)
-    au, av, bu, bv = (ahead_u - u0) / arm, (ahead_v - v0) / arm, (left_u - u0) / arm, (left_v - v0) / arm
+    ahead_x, ahead_y, left_x, left_y = (
+        (ahead_u - u0) / arm,
+        (ahead_v - v0) / arm,
+        (left_u - u0) / arm,
+        (left_v - v0) / arm,
+    )
     points = template.points_m
     counted = template.patches + 1
     # the region that the patches are compared with comes first
@@ -243,7 +248,10 @@ def score_of(
         b = g = r = bb = hues = 0.0
         for k in range(POINTS):
             along, across = size * points[region, k, 0], size * points[region, k, 1]
-            column, row = int(u0 + along * au + across * bu + 0.5), int(v0 + along * av + across * bv + 0.5)
+            column, row = (
+                int(u0 + along * ahead_x + across * left_x + 0.5),
+                int(v0 + along * ahead_y + across * left_y + 0.5),
+            )
             if not (0 <= column < width and 0 <= row < height):
                 return 0.0
             blue, green = np.float64(roots[row, column, 0]), np.float64(roots[row, column, 1])
