@@ -29,8 +29,11 @@ MIN_MODULE = 18.0
 """A color with less chroma than this looks like no color at all."""
 MAX_OFF_DEG, MIN_SHARE = 50.0, 0.1
 """A class has its name when such a share of its colors is so near to it in hue: papers, lamps and tastes differ."""
-SAME_SAMPLE = 0.2
-"""Samples of two classes nearer to each other than this share of colors.sampling.tolerance are one color."""
+LUMA_WEIGHT = 0.15
+"""Weight of a level of luma beside one of chroma in the distance of two samples."""
+SAME_SAMPLE, FAR_SAMPLE = 6.0, 30.0
+"""Samples of two classes nearer to each other than this are one color; one that is farther than this from all others of
+its class is not of the same paint [grey levels]."""
 
 
 def palette_warnings(colors: ColorSettings, table: ColorTable) -> Iterator[Violation]:
@@ -78,14 +81,13 @@ def _apart_deg(chroma: Floats, bgr: tuple[int, int, int]) -> Floats:
 def _contradictory(colors: ColorSettings) -> Iterator[Violation]:
     """Samples of two classes that are one color."""
     places = _places(colors)
-    limit = SAME_SAMPLE * colors.sampling.tolerance
     for one, other in combinations(colors.samples, 2):
         for text, place in zip(colors.samples[one], places[one], strict=True):
             away = np.sqrt(((places[other] - place) ** 2).sum(axis=1))
-            if len(away) and 0.0 < away.min() <= limit:  # equal ones are refused
+            if len(away) and 0.0 < away.min() <= SAME_SAMPLE:  # equal ones are refused
                 twin = colors.samples[other][int(away.argmin())]
                 found = f"{twin} is {away.min():.1f} from {text} of {one}: one color in two classes"
-                yield Violation(f"colors.samples.{other}", found, f"samples at least {limit:g} apart")
+                yield Violation(f"colors.samples.{other}", found, f"samples at least {SAME_SAMPLE:g} apart")
 
 
 def _far_from_class(colors: ColorSettings) -> Iterator[Violation]:
@@ -94,7 +96,7 @@ def _far_from_class(colors: ColorSettings) -> Iterator[Violation]:
     for name in sampled_names(colors.samples):
         for number, (text, place) in enumerate(zip(colors.samples[name], places[name], strict=True)):
             own = np.sqrt(((np.delete(places[name], number, axis=0) - place) ** 2).sum(axis=1))
-            if not len(own) or own.min() <= colors.sampling.tolerance:
+            if not len(own) or own.min() <= FAR_SAMPLE:
                 continue
             others = {
                 other: np.sqrt(((places[other] - place) ** 2).sum(axis=1)).min()
@@ -108,8 +110,8 @@ def _far_from_class(colors: ColorSettings) -> Iterator[Violation]:
 
 
 def _places(colors: ColorSettings) -> dict[str, Floats]:
-    """Samples as places in which distances are those of ``color.samples``, per class shape (n, 3)."""
-    scale = np.array([colors.sampling.luma_weight, 1.0, 1.0])
+    """Samples as places: luma, weighted less, and chroma; per class shape (n, 3)."""
+    scale = np.array([LUMA_WEIGHT, 1.0, 1.0])
     return {
         name: ycc_from_bgr(np.array([bgr_from_hex(text) for text in texts], dtype=np.float64).reshape(-1, 3)) * scale
         for name, texts in colors.samples.items()
