@@ -34,6 +34,7 @@ class Piece:
 
     circle_mm: tuple[float, float, float] | None = None
     polygon_mm: Polygon | None = None
+    hidden_by: tuple["Piece", ...] = ()
 
 
 def disc(x: float, y: float, diameter: float) -> Piece:

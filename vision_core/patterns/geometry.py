@@ -22,21 +22,29 @@ SAME_MM = 2.0
 """Edges nearer than this to each other look like one to a camera."""
 GRID_MM, GRID_STEPS = 0.5, 250
 """Distance between sample points inside of patches, and their largest number along a side."""
+ON_EDGE_MM = 1e-6
+"""A point so near to an edge lies on it."""
 RIM_POINTS = 48
 """Points on the edge of a circle."""
 
 
 class PatchShape(Protocol):
-    """A circle (center x, y, diameter) or a closed polygon; exactly one of them."""
+    """A circle (center x, y, diameter) or a closed polygon, exactly one of them, without what lies over it."""
 
     @property
     def circle_mm(self) -> tuple[float, float, float] | None: ...
     @property
     def polygon_mm(self) -> Polygon | None: ...
+    @property
+    def hidden_by(self) -> Sequence["PatchShape"]:
+        """Patches that lie over it."""
+        ...
 
 
 def area_mm2(shape: PatchShape) -> float:
     """Area of a patch."""
+    if shape.hidden_by:
+        return len(inner_points_mm(shape)) * _grid_step_mm(shape) ** 2
     if shape.circle_mm is not None:
         return math.pi * (shape.circle_mm[2] / 2.0) ** 2
     return abs(_signed_area(_corners(shape)))
@@ -44,6 +52,9 @@ def area_mm2(shape: PatchShape) -> float:
 
 def centroid_mm(shape: PatchShape) -> tuple[float, float]:
     """Center of area of a patch: where its blob's center is."""
+    if shape.hidden_by:
+        seen_x, seen_y = inner_points_mm(shape).mean(axis=0)
+        return float(seen_x), float(seen_y)
     if shape.circle_mm is not None:
         return shape.circle_mm[:2]
     corners = _corners(shape)
@@ -62,6 +73,14 @@ def middle_mm(shapes: Sequence[PatchShape]) -> tuple[float, float]:
 
 def depth_mm(shape: PatchShape, points_mm: Floats) -> Floats:
     """Depth of points, shape (n, 2), in a patch: distance to the nearest edge, negative outside; shape (n,)."""
+    depth = _whole_depth_mm(shape, points_mm)
+    for cover in shape.hidden_by:
+        depth = np.minimum(depth, -_whole_depth_mm(cover, points_mm))
+    return depth
+
+
+def _whole_depth_mm(shape: PatchShape, points_mm: Floats) -> Floats:
+    """``depth_mm`` as if nothing lay over the patch."""
     if shape.circle_mm is not None:
         x, y, diameter = shape.circle_mm
         from_center: Floats = np.hypot(points_mm[:, 0] - x, points_mm[:, 1] - y)
@@ -83,6 +102,15 @@ def contains(shape: PatchShape, points_mm: Floats) -> Mask:
 
 def rim_mm(shape: PatchShape, step_mm: float = SAME_MM) -> Floats:
     """Points of its edge, corners included, nearer to each other than a step; shape (n, 2)."""
+    rims = [_whole_rim_mm(one, step_mm) for one in (shape, *shape.hidden_by)]
+    if len(rims) == 1:
+        return rims[0]
+    points = np.concatenate(rims)
+    return points[np.abs(depth_mm(shape, points)) < ON_EDGE_MM]
+
+
+def _whole_rim_mm(shape: PatchShape, step_mm: float) -> Floats:
+    """``rim_mm`` as if nothing lay over the patch."""
     if shape.circle_mm is not None:
         x, y, diameter = shape.circle_mm
         turns = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
@@ -108,16 +136,21 @@ def box_mm(shape: PatchShape) -> tuple[Floats, Floats]:
 def inner_points_mm(shape: PatchShape) -> Floats:
     """An even grid of points in it; shape (n, 2), empty for a sliver."""
     low, high = box_mm(shape)
-    step = max(GRID_MM, float((high - low).max()) / GRID_STEPS)
+    step = _grid_step_mm(shape)
     axes = [np.arange(first + step / 2.0, last, step) for first, last in zip(low, high, strict=True)]
     x, y = np.meshgrid(*axes)
     points = np.column_stack([x.ravel(), y.ravel()])
     return points[contains(shape, points)]
 
 
+def _grid_step_mm(shape: PatchShape) -> float:
+    low, high = box_mm(shape)
+    return max(GRID_MM, float((high - low).max()) / GRID_STEPS)
+
+
 def width_mm(shape: PatchShape) -> float:
     """Diameter of the largest disc that fits into it: what a camera must resolve."""
-    if shape.circle_mm is not None:
+    if shape.circle_mm is not None and not shape.hidden_by:
         return shape.circle_mm[2]
     points = inner_points_mm(shape)
     return 2.0 * float(depth_mm(shape, points).max()) if len(points) else 0.0

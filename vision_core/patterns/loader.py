@@ -48,6 +48,8 @@ class Patch(Record, frozen=True):
     color: Annotated[ColorName, Meta(description="team: the team's color; code: a digit of the id; or a color class")]
     circle_mm: Annotated[tuple[float, float, float] | None, Meta(description="center x, y, diameter")] = None
     polygon_mm: Annotated[tuple[Point2, ...] | None, Meta(description="corners; the first closes it")] = None
+    lies_over: Annotated[bool, Meta(description="it lies over the patches before it and hides what it covers")] = False
+    hidden_by: Annotated[tuple["Patch", ...], Meta(description="follows from lies_over; in no file")] = ()
 
 
 class Code(Record, frozen=True):
@@ -106,6 +108,7 @@ def _loaded(path: Path, _changed_ns: int) -> Pattern:
     except msgspec.ValidationError as error:
         raise SettingsError(f"pattern {layer.name}", found=str(error)) from None
     _check_teams(layer, pattern)
+    pattern = _laid_over(layer, pattern)
     for number, patch in enumerate(pattern.patches, start=1):
         _check_patch(f"pattern {layer.name}: patch {number}", number, patch, pattern.robot)
     _check_overlaps(layer, pattern)
@@ -115,30 +118,45 @@ def _loaded(path: Path, _changed_ns: int) -> Pattern:
     return pattern
 
 
+def _laid_over(layer: Layer, pattern: Pattern) -> Pattern:
+    """The pattern in which every patch knows what lies over it."""
+    if any(patch.hidden_by for patch in pattern.patches):
+        raise SettingsError(f"pattern {layer.name}: hidden_by", found="a list", accepted="lies_over = true above")
+    patches = [
+        msgspec.structs.replace(patch, hidden_by=tuple(_covers_of(patch, pattern.patches[number:])))
+        for number, patch in enumerate(pattern.patches, start=1)
+    ]
+    return msgspec.structs.replace(pattern, patches=tuple(patches))
+
+
+def _covers_of(patch: Patch, above: tuple[Patch, ...]) -> Iterator[Patch]:
+    """Which of the patches above hide a part of a patch."""
+    return (cover for cover in above if cover.lies_over and overlap_mm(patch, cover) > 0.0)
+
+
 def scaled(pattern: Pattern, factor: float) -> Pattern:
     """The same marker, larger or smaller."""
-    patches = tuple(
-        msgspec.structs.replace(
-            patch,
-            circle_mm=tuple(factor * number for number in patch.circle_mm) if patch.circle_mm else None,
-            polygon_mm=tuple((factor * x, factor * y) for x, y in patch.polygon_mm) if patch.polygon_mm else None,
-        )
-        for patch in pattern.patches
-    )
-    return msgspec.structs.replace(pattern, patches=patches)
+    return msgspec.structs.replace(pattern, patches=_stretched(pattern.patches, factor, factor))
 
 
 def mirrored(pattern: Pattern) -> Pattern:
     """The same marker in a mirror: left and right exchanged."""
-    patches = tuple(
+    return msgspec.structs.replace(pattern, patches=_stretched(pattern.patches, 1.0, -1.0))
+
+
+def _stretched(patches: tuple[Patch, ...], ahead: float, aside: float) -> tuple[Patch, ...]:
+    """Patches with their places multiplied, and circles' diameters by the first factor."""
+    return tuple(
         msgspec.structs.replace(
             patch,
-            circle_mm=(patch.circle_mm[0], -patch.circle_mm[1], patch.circle_mm[2]) if patch.circle_mm else None,
-            polygon_mm=tuple((x, -y) for x, y in patch.polygon_mm) if patch.polygon_mm else None,
+            circle_mm=(ahead * patch.circle_mm[0], aside * patch.circle_mm[1], ahead * patch.circle_mm[2])
+            if patch.circle_mm
+            else None,
+            polygon_mm=tuple((ahead * x, aside * y) for x, y in patch.polygon_mm) if patch.polygon_mm else None,
+            hidden_by=_stretched(patch.hidden_by, ahead, aside),
         )
-        for patch in pattern.patches
+        for patch in patches
     )
-    return msgspec.structs.replace(pattern, patches=patches)
 
 
 def looks(pattern: Pattern) -> Iterator[tuple[Team, int, tuple[str, ...]]]:
@@ -190,7 +208,7 @@ def _check_overlaps(layer: Layer, pattern: Pattern) -> None:
             raise SettingsError(
                 f"pattern {layer.name}: patches {i} and {j}",
                 found=f"they overlap, {wide:.2g} mm wide",
-                accepted="patches beside each other; round a square in a corner draw an L",
+                accepted="patches beside each other, or lies_over = true in the one that hides a part of the other",
             )
 
 

@@ -165,8 +165,12 @@ def _on_top(x: float, y: float, radius: float, front: float, square: bool) -> bo
 
 @kernel
 def _patch_at(x: float, y: float, patches: Floats, corners: Floats, margin: float) -> int:
-    """Material at a point of the top: its patch, TOP when it has none, EDGE when a margin might change the answer."""
-    for j in range(len(patches)):
+    """Material at a point of the top: its patch, TOP when it has none, EDGE when a margin might change the answer.
+
+    Later patches lie over earlier ones.
+    """
+    for above in range(len(patches)):
+        j = len(patches) - 1 - above
         distance_squared = (x - patches[j, 0]) ** 2 + (y - patches[j, 1]) ** 2
         if distance_squared < (patches[j, 2] + margin) ** 2:
             first, last = int(patches[j, 3]), int(patches[j, 4])

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from vision_core.geometry import Floats
-from vision_core.models.camera_kernels import field_from_pixel
+from vision_core.models.camera_kernels import field_from_pixel, pixels_per_square_metre
 from vision_core.objects.robots.markers import Marker
 from vision_core.objects.robots.scene import Scene, SeenRobots, counted
 from vision_core.types.reasons import Reason
@@ -18,7 +18,9 @@ from vision_core.types.reasons import Reason
 MIN_ROBOTS, MIN_PATCHES = 2, 3
 """Robots that must agree; patches that a robot must show, the team's among them."""
 MIN_ERROR = 0.05
-"""Markers are cut by hand, and patches that touch lose the seam between them: smaller differences say nothing."""
+"""Markers are cut by hand: smaller differences say nothing."""
+SEAM_PX = 0.7
+"""Patches that touch lose the seam between them, so that their centers are seen so much farther apart, each."""
 MIN_CERTAINTY = 4.0
 """A difference counts when it is so many times its standard deviation."""
 MAX_HEIGHT_M = 50.0
@@ -36,11 +38,12 @@ def size_reason(
         for row in seen.hypotheses
         if (size := _size_of(scene, markers[row["team"]], row)) is not None
     ]
+    doubt = max((_doubt(scene, markers[row["team"]], row) for row in seen.hypotheses), default=0.0)
     if len(sizes) < MIN_ROBOTS:
         return None
     logs = np.array([size for size, _ in sizes])
     size, deviation = float(np.median(logs)), float(logs.std()) / math.sqrt(len(logs))
-    if abs(size) < max(math.log1p(MIN_ERROR), MIN_CERTAINTY * deviation):
+    if abs(size) < max(math.log1p(MIN_ERROR) + doubt, MIN_CERTAINTY * deviation):
         return None
     ratio = math.exp(size)
     size_words = f"{abs(ratio - 1.0):.0%} {'larger' if ratio > 1.0 else 'smaller'}"
@@ -70,6 +73,15 @@ def _size_of(scene: Scene, marker: Marker, hypothesis: np.void) -> float | None:
         ]
     )
     return _spread(there) / _spread(drawn)
+
+
+def _doubt(scene: Scene, marker: Marker, hypothesis: np.void) -> float:
+    """By how much a marker may look larger because its patches touch; 0 for round ones, which do not."""
+    if (marker.radii_m > 0.0).all() or not len(marker.slots_m):
+        return 0.0
+    scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
+    drawn = np.array([marker.anchor_m, *marker.slots_m])
+    return SEAM_PX / math.sqrt(scale2) / _spread(drawn)
 
 
 def _spread(points: Floats) -> float:

@@ -176,7 +176,7 @@ def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
 
 
 def _radius_m(patch: Patch) -> float:
-    return patch.circle_mm[2] / 2000.0 if patch.circle_mm is not None else 0.0
+    return patch.circle_mm[2] / 2000.0 if patch.circle_mm is not None and not patch.hidden_by else 0.0
 
 
 def _worn(pattern: Pattern, order: Sequence[int], team: Team, table: ColorTable) -> Integers:

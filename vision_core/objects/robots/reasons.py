@@ -61,7 +61,7 @@ def explain_robots(
         if not len(robots) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
             reasons.append(_why_no_robot(scene, finder, marker))
         reasons += _without_heading(scene, marker, seen, settings)
-        if marker.has_code and (own["id"] == NO_ID).any():
+        if (own["id"] == NO_ID).any():
             reasons += _why_no_id(scene, marker, seen, settings)
     if len(robots) and not is_over():
         reasons += _doubts(scene, finder, seen, settings, is_floor_right=is_floor_right)
@@ -171,7 +171,7 @@ def _why_no_id(scene: Scene, marker: Marker, seen: SeenRobots, settings: Setting
         hypothesis, place = seen.hypotheses[number], (float(robot["x_px"]), float(robot["y_px"]))
         if np.isnan(robot["heading_rad"]) and hypothesis["matched"] == len(marker.slots_m):
             continue  # its heading is ambiguous, and said to be
-        why = unread_because(scene, marker, hypothesis, settings)
+        why = unread_because(scene, marker, hypothesis, settings) if marker.has_code else None
         if why is None:
             shown[id_of(scene.blobs, marker, hypothesis)] += 1
             twins.append((id_of(scene.blobs, marker, hypothesis), place))
