@@ -11,9 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from app.cli import app
 from tests.drawn_field import CORNERS_M, POSITION_M, camera, drawn, lens_venue, points_venue, told
 from vision_core.geometry import Bytes, Floats
+from vision_core.native.opencv import write_picture
 
 pytestmark = pytest.mark.slow
 
@@ -129,6 +132,17 @@ MISTAKES = {
     "a lens in a barrel": Mistake(lens_venue(distortion=BARREL), picture="barrel"),
     "a lens in a strong barrel": Mistake(lens_venue(distortion=STRONG_BARREL, focal_px=800.0), picture="strong barrel"),
 }
+
+
+@pytest.mark.parametrize(("name", "status"), [("none", 0), ("one point 15 px off", 2)])
+def test_validate_compares_a_picture(name: str, status: int, tmp_path: Path) -> None:
+    venue, still = tmp_path / "venue.toml", tmp_path / "field.png"
+    venue.write_text(MISTAKES[name].venue)
+    write_picture(still, picture("field"))
+    result = CliRunner().invoke(app, ["config", "validate", "--config", str(venue), "--picture", str(still)])
+    assert result.exit_code == status, result.output
+    assert "10% of its height of 4 m would move robots by up to 7 mm" in result.output
+    assert re.search(MISTAKES[name].detect, result.output)
 
 
 @cache

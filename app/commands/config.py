@@ -1,5 +1,8 @@
 """``pslv config``: show settings as the service would use them, and validate them."""
 
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 from app.commands.options import ConfigFile, Venue
@@ -18,8 +21,15 @@ def show(venue: Venue = None, config: ConfigFile = None) -> None:
 
 
 @config_app.command("validate")
-def validate(venue: Venue = None, config: ConfigFile = None) -> None:
-    """Say whether settings are in order; exit status 2 when they are not."""
+def validate(
+    venue: Venue = None,
+    config: ConfigFile = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="A picture by this camera: do its painted lines and robots fit the calibration?")
+    ] = None,
+) -> None:
+    """Say whether settings are in order; exit status 2 when they are not, or the picture contradicts them."""
+    from vision_core.evaluation.stills import calibration_reasons_in
     from vision_core.models.camera_setup import CameraSetup
     from vision_core.pipeline.venue_warnings import venue_warnings
     from vision_core.startup.preflight import check_tasks
@@ -36,3 +46,8 @@ def validate(venue: Venue = None, config: ConfigFile = None) -> None:
     typer.echo(f"in order: field {settings.field.name}, camera {size}{fit_in_words(settings)}")
     for warning in venue_warnings(settings, lambda key: place_of(key, layers)):
         typer.echo(f"warning: {warning}")
+    wrong = calibration_reasons_in(picture, settings) if picture is not None else ()
+    for reason in wrong:
+        typer.echo(f"{picture}: {reason}")
+    if wrong:
+        raise typer.Exit(2)

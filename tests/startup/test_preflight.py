@@ -37,6 +37,12 @@ def test_the_defaults_are_in_order(monkeypatch: pytest.MonkeyPatch, capsys: pyte
     assert capsys.readouterr().err == ""
 
 
+def test_what_is_odd_is_said_and_no_error(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_status({"match.blue_ids": [1, 2, 3, 4, 77]}, monkeypatch) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("warning: settings: match.blue_ids gives numbers 1 to 5 id 77")
+
+
 def test_a_palette_without_the_markers_colors_is_refused() -> None:
     settings = load_settings(options={"colors.classes": {"orange": [{"hue_deg": [4.0, 34.0]}]}})
     with pytest.raises(SettingsError, match="colors; found"):

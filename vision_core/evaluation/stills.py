@@ -16,6 +16,7 @@ from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import Settings
 from vision_core.tasks.obstacles import finder_from
 from vision_core.types.image import ImageFrame
+from vision_core.types.reasons import Reason
 
 
 def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -> Iterator[dict[str, object]]:
@@ -35,6 +36,19 @@ def detect_files(files: Iterable[Path], settings: Settings, draw: Path | None) -
             yield detect_still(file, perception, draw)
         except PslvError as error:
             yield {"file": str(file), "error": str(error)}
+
+
+def calibration_reasons_in(file: Path, settings: Settings) -> tuple[Reason, ...]:
+    """What the painted lines and the robots in a picture say against the venue's calibration; () for nothing.
+
+    Raises SourceError when it cannot be read or has another size, SettingsError when the settings name no usable
+    pattern.
+    """
+    perception = Perception(settings, CameraSetup.from_settings(settings))
+    camera = perception.camera
+    frame = ImageFrame(camera.name, 1, Instant(0), read_picture(file, camera.size_px))
+    seen = perception.perceive(frame, MonotonicClock()).record()
+    return tuple(reason for reason in reasons_of(perception, seen) if reason.is_calibration)
 
 
 def detect_still(file: Path, perception: Perception, draw: Path | None = None) -> dict[str, object]:

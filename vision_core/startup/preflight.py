@@ -15,6 +15,7 @@ from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import PslvError
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.venue_warnings import venue_warnings
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.admission import Admission
 from vision_core.scheduling.attachment import end_with
@@ -23,12 +24,17 @@ from vision_core.startup import WITHOUT_SOURCE
 
 
 def main() -> int:
-    """Check the settings, open the source and close it; exit status 2 and one line on standard error if that fails."""
+    """Check the settings, open the source and close it; exit status 2 and one line on standard error if that fails.
+
+    What is odd about settings that are accepted is a line on standard error too.
+    """
     end_with(os.getppid())  # opening a camera may take long: this process ends with the command that started it
     settings = msgspec.json.decode(sys.stdin.buffer.read(), type=Settings)
     camera = CameraSetup.from_settings(settings)
     try:
         check_tasks(settings, camera)
+        for warning in venue_warnings(settings, lambda _key: "settings"):
+            print(f"warning: {warning}", file=sys.stderr)
         if WITHOUT_SOURCE in sys.argv:
             return 0
         source = open_source(settings, camera, MonotonicClock())

@@ -58,7 +58,7 @@ def _moved(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     diagnosis = snapshot.recent(records.diagnosis)
     explained = [reason for reason in diagnosis.value.reasons if reason.is_calibration] if diagnosis else []
     if reason := next(iter((*explained, *(lines.reasons if lines else ()))), None):
-        yield Cause("camera moved", Subject.CAMERA, MOVED, reason.advice, reason.text, MOVED_HOLD_S)
+        yield Cause("camera moved", Subject.CAMERA, reason.text, reason.advice, hold_s=MOVED_HOLD_S)
     elif lines and lines.known:
         if lines.found < MIN_LINES_FOUND * lines.known:
             found = f"{lines.found} of {lines.known} painted lines are where the venue has them"

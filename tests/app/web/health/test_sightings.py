@@ -83,11 +83,11 @@ def test_where_a_calibration_is_wrong_is_said_before_figures() -> None:
     corner = Reason("corner left top lies 15 px to the left", "Move it.", is_calibration=True)
     off = snapshot(LineCheck(12, 8, 0.7, 1.6, 0.0, (corner,)))
     (cause,) = causes(off)
-    assert (cause.sentence, cause.advice) == (f"{MOVED}: {corner.text}", "Move it.")
+    assert (cause.sentence, cause.advice) == (corner.text, "Move it.")
     mirrored = Reason("this picture is a mirror image", "Turn it.", 6.0, is_calibration=True)
     other = Reason("no ball", "Lay one.")
     (cause,) = causes(with_records(off, diagnosis=timed(Diagnosis("main", 7, NOW, (other, mirrored)))))
-    assert (cause.sentence, cause.advice) == (f"{MOVED}: {mirrored.text}", "Turn it.")
+    assert (cause.sentence, cause.advice) == (mirrored.text, "Turn it.")
     assert causes(with_records(snapshot(), diagnosis=timed(Diagnosis("main", 7, NOW, (other,))))) == []
 
 
