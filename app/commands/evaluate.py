@@ -15,6 +15,7 @@ from app.commands.options import ConfigFile, Venue
 from vision_core.errors import SourceError
 
 if TYPE_CHECKING:
+    from vision_core.evaluation.cross_light import Pair
     from vision_core.evaluation.lights import LightScore
     from vision_core.evaluation.score import PictureScore, Score
 
@@ -30,8 +31,12 @@ def evaluate(
     as_json: Annotated[bool, typer.Option("--json", help="The sums as one line of JSON.")] = False,
     draw: Annotated[Path | None, typer.Option(help="Folder for overlays with misses marked.")] = None,
     lights: Annotated[bool, typer.Option("--lights", help="Score robots in other light instead.")] = False,
+    cross_light: Annotated[
+        bool, typer.Option("--cross-light", help="Find colors in each picture, and try them on all others, instead.")
+    ] = False,
 ) -> None:
     """Score what is found in pictures against their truth: recall, precision and distance of robots and balls."""
+    from vision_core.evaluation.cross_light import score_across, summary
     from vision_core.evaluation.lights import LIGHTS, score_in_lights
     from vision_core.evaluation.score import evaluate as score_all
     from vision_core.evaluation.score import total
@@ -47,6 +52,10 @@ def evaluate(
     if lights:
         in_lights = _tracked(score_in_lights(chosen, settings, tolerance), len(LIGHTS))
         _print_lights(in_lights, as_json=as_json)
+        return
+    if cross_light:
+        pairs = _tracked(score_across(chosen, settings, tolerance), len(chosen) * (len(chosen) - 1))
+        _print_across(pairs, summary(pairs), as_json=as_json)
         return
     scores = _tracked(score_all(chosen, settings, tolerance, draw), len(chosen))
     sums = total(scores)
@@ -70,6 +79,17 @@ def _print_lights(scores: Sequence["LightScore"], *, as_json: bool) -> None:
     for one in scores:
         found, right = f"{one.found}/{one.robots}", f"{one.right}/{one.ids}"
         table.add_row(one.light, found, right, str(one.wrong), str(one.false))
+    Console(highlight=False).print(table)
+
+
+def _print_across(pairs: Sequence["Pair"], sums: Sequence[dict[str, Any]], *, as_json: bool) -> None:
+    if as_json:
+        typer.echo(json.dumps({"pairs": [pair.row() for pair in pairs], "summary": sums}))
+        return
+    table = Table("mode", "pairs", "found mean", "worst", "ids right mean", "worst", "ids wrong", "false", expand=False)
+    for row in sums:
+        shares = (_number(row[key]) for key in ("found_mean", "found_worst", "right_mean", "right_worst"))
+        table.add_row(row["mode"], str(row["pairs"]), *shares, f"{row['wrong']}/{row['ids']}", str(row["false"]))
     Console(highlight=False).print(table)
 
 

@@ -75,7 +75,7 @@ def score_in_lights(
     for name, change in (LIGHTS if changes is None else changes).items():
         score = LightScore(name)
         for picture, pixels in zip(truth, pictures, strict=True):
-            _add(score, picture, _found_in(change(pixels), perception), tolerance_px)
+            add_picture(score, picture, _found_in(change(pixels), perception), tolerance_px)
         yield score
 
 
@@ -88,7 +88,8 @@ def _found_in(pixels: Bytes, perception: Perception) -> dict[str, Any]:
     return found
 
 
-def _add(score: LightScore, truth: PictureTruth, found: dict[str, Any], tolerance_px: float) -> None:
+def add_picture(score: LightScore, truth: PictureTruth, found: dict[str, Any], tolerance_px: float) -> None:
+    """Count what was found in a picture, a table of ``detect_files``."""
     places = replace(truth, robots=tuple(replace(robot, id=None) for robot in truth.robots))
     named = replace(truth, robots=tuple(robot for robot in truth.robots if robot.id is not None))
     at_places, by_id = (score_picture(one, found, tolerance_px) for one in (places, named))

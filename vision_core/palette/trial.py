@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from vision_core.clock import Instant, ManualClock
-from vision_core.color.light import field_samples
+from vision_core.color.light import Relighter, field_samples
 from vision_core.color.lookup_table import compile_samples
 from vision_core.color.samples import Measured, hex_from_bgr
 from vision_core.geometry import Bytes, Floats
@@ -27,6 +27,7 @@ from vision_core.patterns.loader import TEAM, Pattern, load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import LightSettings, SamplingSettings, Settings
+from vision_core.types.colors import Light
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 from vision_core.types.tables import TEAMS, Table
@@ -108,6 +109,7 @@ class Trial:
         self.camera_map: CameraMap = camera_map_from(self.camera.model)
         self.half_extent_m = accepted_half_extent(settings.field)
         self._perception = Perception(self.settings, self.camera)
+        self._relighter = Relighter(*self.camera.size_px)
         self._floor: PixelPlaces = field_samples(
             self.camera.model, settings.field, self.camera.size_px, -settings.field.margin_m
         )
@@ -118,13 +120,24 @@ class Trial:
         """Pixels of the field and their places, shapes (n, 2)."""
         self._patch_px = self._area_of_anchor()
 
-    def prepared(self, pixels: Bytes) -> Picture:
-        """A picture in the light of the settings. pixels: shape (height, width, 3), of the camera's size."""
-        lit = self._perception.lighting.lit(pixels, Instant(0)).copy()
+    def prepared(self, pixels: Bytes, light: Light | None = None) -> Picture:
+        """A picture in the light of the settings. pixels: shape (height, width, 3), of the camera's size.
+
+        light: that of the picture; None: it is measured.
+        """
+        if light is None:
+            lit = self._perception.lighting.lit(pixels, Instant(0)).copy()
+        else:
+            lit = self._relighter.relit(pixels, light).copy()
         floor = lit[self._floor[:, 1], self._floor[:, 0]].astype(np.float64)
         scene, ball = scene_of(lit, self._floor), self.kinds[BALL]
         discs = find_candidates(lit, scene, self.camera_map, ball.template, ball.height_m, self.half_extent_m)
         return Picture(lit, scene, floor, discs)
+
+    @property
+    def light(self) -> Light:
+        """Of the last picture that was measured."""
+        return self._perception.lighting.light
 
     def use(self, measured: Measured, sampling: SamplingSettings) -> None:
         """See the next pictures with a palette, which has all paints in their order."""
