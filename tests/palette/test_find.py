@@ -10,6 +10,8 @@ from vision_core.palette.trial import Trial
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.venues.loader import load_settings
 
+pytestmark = pytest.mark.timeout(600)  # the first test may compile the hot path
+
 
 @pytest.mark.parametrize(("venue", "seed"), [("demo-vsss", 1), ("demo-vsss", 2), (None, 3)])
 def test_papers_of_other_suppliers_are_found(venue: str | None, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -18,7 +20,7 @@ def test_papers_of_other_suppliers_are_found(venue: str | None, seed: int, monke
     trial = Trial(settings, light_from(shown[0][0], settings))
     pictures = [trial.prepared(pixels) for pixels, _ in shown]
     found = find_palette(trial, pictures[:2])
-    trial.use(found.measured, found.sampling)
+    trial.use(found.table)
     scores = [right_and_wrong(trial.judge(picture), truth) for picture, (_, truth) in zip(pictures, shown, strict=True)]
     true, right, wrong = (sum(column) for column in zip(*scores, strict=True))
     assert wrong == 0

@@ -12,8 +12,9 @@ from typing import Any
 from vision_core.evaluation.lights import LightScore, add_picture
 from vision_core.evaluation.truth_files import PictureTruth
 from vision_core.native.opencv import read_picture
-from vision_core.palette.find import Palette, find_palette, judged_with, refined
+from vision_core.palette.find import find_palette, refined
 from vision_core.palette.light import light_from
+from vision_core.palette.reading import Palette, judged_again
 from vision_core.palette.trial import Judged, Trial
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import Light
@@ -51,8 +52,8 @@ def score_across(truth: Sequence[PictureTruth], settings: Settings, tolerance_px
                 continue
             lit = trial.prepared(pixels[other])
             as_it_is = trial.prepared(pixels[other], set_up_light)
-            plain = judged_with(trial, [as_it_is], palette.measured, palette.sampling)
-            light = judged_with(trial, [lit], palette.measured, palette.sampling)
+            plain = judged_again(trial, [as_it_is], palette)
+            light = judged_again(trial, [lit], palette)
             learned = refined(trial, [lit], light)
             best = max((light, learned, alone[other][0]), key=lambda found: found.score)
             readings = dict(zip(MODES, (plain, light, best, alone[other][0]), strict=True))

@@ -6,26 +6,23 @@ better. The palette under which the pictures are explained best wins.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
 
 from vision_core.color.samples import Measured, claims_by_samples, places_of
 from vision_core.geometry import Bytes
 from vision_core.palette.learn import LEARNED, learn
 from vision_core.palette.light import light_from
+from vision_core.palette.reading import Palette, judged_again, judged_with
 from vision_core.palette.result import ColorsFound, result_of
 from vision_core.palette.starts import FIRST, starts_for
-from vision_core.palette.trial import Judged, Picture, Trial
+from vision_core.palette.trial import Picture, Trial
 from vision_core.settings.schema import SamplingSettings, Settings
 
 Progress: TypeAlias = Callable[[float, str], None]
 """Called with the share that is done, 0..1, and what is done next. It may raise an exception to cancel."""
 
 
-def _nothing(_share: float, _what: str) -> None:
+def no_progress(_share: float, _what: str) -> None:
     """Show no progress."""
 
 
@@ -40,20 +37,7 @@ GUESS_SHARE = 0.95
 """Learned colors are preferred to guessed ones that score a little more."""
 
 
-@dataclass(frozen=True, slots=True)
-class Palette:
-    """Colors, and what is read by them."""
-
-    measured: Measured
-    sampling: SamplingSettings
-    counts: NDArray[np.int64]
-    """Patches from which each paint was learned, shape (paints,)."""
-    score: float
-    judged: tuple[Judged, ...]
-    """Of each picture."""
-
-
-def find_colors(pictures: Sequence[Bytes], settings: Settings, progress: Progress = _nothing) -> ColorsFound:
+def find_colors(pictures: Sequence[Bytes], settings: Settings, progress: Progress = no_progress) -> ColorsFound:
     """The colors of a venue's paints, from pictures that show robots in about the same light.
 
     pictures: at least one, shape (height, width, 3), of the camera's size; settings: with the camera, the field, the
@@ -64,7 +48,7 @@ def find_colors(pictures: Sequence[Bytes], settings: Settings, progress: Progres
     return result_of(trial, find_palette(trial, prepared, progress))
 
 
-def find_palette(trial: Trial, pictures: Sequence[Picture], progress: Progress = _nothing) -> Palette:
+def find_palette(trial: Trial, pictures: Sequence[Picture], progress: Progress = no_progress) -> Palette:
     """The palette that explains pictures best."""
     progress(0.0, "searching for shapes of markers")
     first = pictures[:FIRST_PICTURES]
@@ -78,36 +62,25 @@ def find_palette(trial: Trial, pictures: Sequence[Picture], progress: Progress =
     best: Palette | None = None
     for number, start in enumerate(chosen):
         progress(0.5 + 0.5 * number / len(chosen), f"learning from what is read, guess {number + 1} of {len(chosen)}")
-        found = refined(trial, pictures, start)
+        found = refined(trial, pictures, judged_again(trial, pictures, start))
         if best is None or found.score > best.score:
             best = found
     return best or judged_with(trial, pictures, starts[0][1], FIRST)
 
 
 def refined(trial: Trial, pictures: Sequence[Picture], start: Palette) -> Palette:
-    """Learn from what is read, read again, and so on; the best of all."""
-    best = last = judged_with(trial, pictures, start.measured, start.sampling)
+    """Learn from what is read, read again, and so on; the best of all. start: judged on these pictures."""
+    best = last = start
     for _ in range(ROUNDS):
         measured, counts = learn(trial, pictures, last.judged)
         if _covered(measured, LEARNED, pictures[0]) > MAX_COVERED:
             break
         last = judged_with(trial, pictures, measured, LEARNED, counts)
-        if last.score > (best.score if best.counts.any() else GUESS_SHARE * best.score):
+        if last.score > (best.score if best.learned else GUESS_SHARE * best.score):
             best = last
-        elif best.counts.any():
+        elif best.learned:
             break
     return best
-
-
-def judged_with(
-    trial: Trial, pictures: Sequence[Picture], measured: Measured, sampling: SamplingSettings,
-    counts: NDArray[np.int64] | None = None,
-) -> Palette:  # fmt: skip
-    """What is read in pictures with a palette."""
-    trial.use(measured, sampling)
-    judged = tuple(trial.judge(picture) for picture in pictures)
-    none = np.zeros(len(trial.paints), dtype=np.int64)
-    return Palette(measured, sampling, none if counts is None else counts, sum(one.score for one in judged), judged)
 
 
 def _covered(measured: Measured, sampling: SamplingSettings, picture: Picture) -> float:

@@ -1,24 +1,34 @@
 """A palette kept right while the light changes.
 
-Every look judges the palette in force on the newest picture. Where robots are no longer read as before, the palette is
-learned anew from those that are; when that does not help for a while, it is found from nothing. A change is made only
-when the picture is explained clearly better by it, so a hand over the field or an empty field changes nothing.
+Every look judges the palette in force on the newest picture. Where less is read than usual, the palette is learned anew
+from the robots that still are; when that does not help, it is found from nothing. A change is made only when the
+picture is explained clearly better by it, and what counts there is the shape of the markers, which no color can feign:
+so a hand over the field or an empty field changes nothing. The palette of the settings stays beside it: it comes back
+as soon as it explains the picture as well.
 """
 
 from dataclasses import dataclass
 
-from vision_core.color.samples import measured_from
 from vision_core.geometry import Bytes
-from vision_core.palette.find import Palette, find_palette, judged_with, refined
+from vision_core.palette.find import Progress, find_palette, no_progress, refined
+from vision_core.palette.reading import Palette, judged_again, palette_of_settings
 from vision_core.palette.trial import Picture, Trial
 from vision_core.settings.schema import Settings
+from vision_core.types.colors import ColorTable
 
 BETTER = 0.4
 """A palette must score so much more than the one in force: about a fifth of a robot that is read."""
-FORGET = 0.02
-"""How much of what is usual is forgotten with every look."""
-LOST_SHARE, LOST_LOOKS = 0.7, 2
-"""With less than this share of the usual score, so many times in a row, the palette is found from nothing."""
+USUAL_SHARE = 0.93
+"""With a smaller share of the usual score something is missing."""
+AS_GOOD = 0.97
+"""The palette of the settings comes back when it scores this share of what is usual."""
+FORGET = 0.01
+"""How much of what is usual is forgotten with every look: robots leave the field."""
+DROP = 0.85
+"""With a smaller share of the last look's score the light has changed: an attempt is made at once."""
+PATIENCE = 4
+"""Looks to wait after an attempt that did not help; twice as many after the next one, up to MAX_PATIENCE."""
+MAX_PATIENCE = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,44 +38,62 @@ class Look:
     palette: Palette
     """In force from now on."""
     what: str
-    """"kept", "learned" or "found"."""
+    """"kept"; "learned" from what is read; "found" from nothing; or "start": back to that of the settings."""
 
 
 class Follower:
-    """Follows the light of one camera."""
+    """Follows the light of one camera. Raises SettingsError for a pattern that cannot be read."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, table: ColorTable, progress: Progress = no_progress) -> None:
+        """table: of the settings' colors; progress: is called while a palette is found."""
         self.trial = Trial(settings, settings.colors.light)
-        self._start = measured_from(settings.colors.samples)
-        self._sampling = settings.colors.sampling
-        self._palette: Palette | None = None
-        self._usual, self._lost = 0.0, 0
+        self._start = palette_of_settings(self.trial, table)
+        self._progress = progress
+        self.reset()
+
+    def warm_up(self) -> None:
+        """Load or compile the kernels."""
+        dark = self.trial.camera.black_image()
+        picture = self.trial.prepared(dark)
+        self.trial.shapes(picture, self.trial.kinds[0])
+        self.look(dark)
+        self.reset()
 
     def reset(self) -> None:
         """Go back to the palette of the settings."""
-        self._palette, self._usual, self._lost = None, 0.0, 0
+        self._palette: Palette | None = None
+        self._usual, self._last, self._wait, self._patience = 0.0, 0.0, 0, PATIENCE
 
     def look(self, pixels: Bytes) -> Look:
         """Look at a picture, shape (height, width, 3)."""
         picture = self.trial.prepared(pixels)
-        now = self._judged(picture)
+        start = judged_again(self.trial, [picture], self._start)
+        now = start if self._palette is None else judged_again(self.trial, [picture], self._palette)
         self._usual = max(now.score, self._usual * (1.0 - FORGET))
-        best, what = now, "kept"
-        if now.score < self._usual or self._palette is None:
-            learned = refined(self.trial, [picture], now)
-            if learned.score > now.score + BETTER:
-                best, what = learned, "learned"
-        self._lost = self._lost + 1 if best.score < LOST_SHARE * self._usual else 0
-        if self._lost >= LOST_LOOKS:
-            self._lost = 0
-            found = find_palette(self.trial, [picture])
+        self._wait = max(self._wait - 1, 0)
+        if now.score < DROP * self._last:
+            self._wait, self._patience = 0, PATIENCE
+        self._last = now.score
+        if self._palette is not None and start.score >= max(now.score, AS_GOOD * self._usual):
+            self._palette, self._usual = None, start.score
+            return Look(start, "start")
+        if now.score >= USUAL_SHARE * self._usual and self._palette is not None:
+            self._patience = PATIENCE
+            return Look(now, "kept")
+        if self._wait:
+            return Look(now, "kept")
+        return self._improved(picture, now)
+
+    def _improved(self, picture: Picture, now: Palette) -> Look:
+        """A better palette, if there is one."""
+        learned = refined(self.trial, [picture], now)
+        best, what = (learned, "learned") if learned.score > now.score + BETTER else (now, "kept")
+        if best.score < USUAL_SHARE * self._usual:
+            found = find_palette(self.trial, [picture], self._progress)
             if found.score > best.score + BETTER:
                 best, what = found, "found"
-        self._palette = best
+        if what == "kept":
+            self._wait, self._patience = self._patience, min(2 * self._patience, MAX_PATIENCE)
+            return Look(now, what)
+        self._palette, self._last = best, best.score
         return Look(best, what)
-
-    def _judged(self, picture: Picture) -> Palette:
-        """The palette in force, judged on a picture."""
-        if self._palette is not None:
-            return judged_with(self.trial, [picture], self._palette.measured, self._palette.sampling)
-        return judged_with(self.trial, [picture], self._start, self._sampling)

@@ -124,7 +124,7 @@ def bgr_from_chromaticity(places: Floats, luma: float = 70.0) -> Floats:
 def _ball_color(trial: Trial, picture: Picture, seen: Judged, expected: Floats) -> list[Floats]:
     """The color of a picture's ball, or none: of the clearest disc beside the robots whose hue may be the ball's."""
     best, color = MIN_DISC, None
-    for disc in picture.discs:
+    for disc in trial.shapes(picture, trial.kinds[BALL]):
         score, x, y = disc.poses[0, :3]
         away = float(np.hypot(*(chromaticity(disc.colors[0, 0]) - expected)))
         fit = float(score) * np.exp(-0.5 * (away / PAINT_SD) ** 2)

@@ -1,19 +1,16 @@
 """What was found: the colors as settings, how sure they are, and what people should do about it."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 
-from vision_core.color.samples import NONE, hex_from_bgr, references_from
+from vision_core.color.samples import NONE, Measured, hex_from_bgr, references_from
 from vision_core.palette.learn import LEARNED
+from vision_core.palette.reading import Palette
 from vision_core.palette.trial import BALL, Trial
 from vision_core.settings.schema import ColorSettings
 from vision_core.types.reasons import Reason
-
-if TYPE_CHECKING:
-    from vision_core.palette.find import Palette
 
 TOO_NEAR, NEAR = 2.5, 4.0
 """Papers whose colors lie less than this many spreads apart are not told apart for sure; nearly so."""
@@ -71,9 +68,10 @@ class ColorsFound:
         return any(one.clear for one in self.pictures) and all(pair.spreads >= TOO_NEAR for pair in self.near)
 
 
-def result_of(trial: Trial, palette: "Palette") -> ColorsFound:
+def result_of(trial: Trial, palette: Palette) -> ColorsFound:
     """A palette in the form that people and files use."""
     measured = palette.measured
+    assert measured is not None
     samples = {name: tuple(hex_from_bgr(bgr) for bgr in colors.tolist()) for name, colors in measured.classes.items()}
     samples[NONE] = tuple(hex_from_bgr(bgr) for bgr in measured.none.tolist())
     colors = msgspec.structs.replace(
@@ -90,13 +88,13 @@ def result_of(trial: Trial, palette: "Palette") -> ColorsFound:
         )
         for one in palette.judged
     )  # fmt: skip
-    near = _near_paints(trial, palette)
+    near = _near_paints(trial, palette, measured)
     return ColorsFound(colors, paints, near, pictures, tuple(_reasons(paints, near, pictures)))
 
 
-def _near_paints(trial: Trial, palette: "Palette") -> tuple[NearPaints, ...]:
+def _near_paints(trial: Trial, palette: Palette, measured: Measured) -> tuple[NearPaints, ...]:
     """Pairs of seen paints that a robot could wear in each other's place, or the ball's and another one."""
-    references = references_from(palette.measured, LEARNED.spread)
+    references = references_from(measured, LEARNED.spread)
     found = []
     for one, other in sorted(_confusable(trial)):
         if not (palette.counts[one] and palette.counts[other]):

@@ -7,9 +7,8 @@ import numpy as np
 from vision_core.color.samples import Measured
 from vision_core.geometry import Floats
 from vision_core.palette.learn import bgr_from_chromaticity, floor_samples, without_colorless
-from vision_core.palette.marker_search import Candidate, find_candidates
 from vision_core.palette.naming import Group, name_paints
-from vision_core.palette.trial import BALL, Kind, Picture, Trial
+from vision_core.palette.trial import Kind, Picture, Trial
 from vision_core.settings.schema import SamplingSettings
 from vision_core.types.colors import LUMA_BGR, chromaticity
 
@@ -61,7 +60,7 @@ def _palette_at(trial: Trial, means: Floats, plain: Floats) -> Measured:
 def _by_shapes(trial: Trial, pictures: Sequence[Picture], plain: Floats) -> list[Floats]:
     """Chromaticities of the paints, shape (paints, 2) each, under which things with the shape of markers are some."""
     groups = [
-        Group([one for picture in pictures for one in _candidates(trial, picture, kinds[0])], kinds)
+        Group([one for picture in pictures for one in trial.shapes(picture, kinds[0])], kinds)
         for kinds in _alike(trial.kinds)
     ]
     found: list[Floats] = []
@@ -78,11 +77,3 @@ def _alike(kinds: Iterable[Kind]) -> list[list[Kind]]:
     for kind in kinds:
         by_shape.setdefault((kind.template.points_m.tobytes(), kind.height_m), []).append(kind)
     return list(by_shape.values())
-
-
-def _candidates(trial: Trial, picture: Picture, kind: Kind) -> list[Candidate]:
-    if kind is trial.kinds[BALL]:
-        return picture.discs
-    return find_candidates(
-        picture.pixels, picture.scene, trial.camera_map, kind.template, kind.height_m, trial.half_extent_m
-    )

@@ -6,7 +6,7 @@ nothing. Colored areas on the field that belong to no robot and no ball count ag
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import msgspec
@@ -14,8 +14,7 @@ import numpy as np
 
 from vision_core.clock import Instant, ManualClock
 from vision_core.color.light import Relighter, field_samples
-from vision_core.color.lookup_table import compile_samples
-from vision_core.color.samples import Measured, hex_from_bgr
+from vision_core.color.samples import hex_from_bgr
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_kernels import CameraMap, camera_map_from
 from vision_core.models.camera_setup import CameraSetup
@@ -26,8 +25,8 @@ from vision_core.palette.template import NEUTRAL, Template, disc_template, templ
 from vision_core.patterns.loader import TEAM, Pattern, load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.pipeline.perception import Perception
-from vision_core.settings.schema import LightSettings, SamplingSettings, Settings
-from vision_core.types.colors import Light
+from vision_core.settings.schema import LightSettings, Settings
+from vision_core.types.colors import ColorTable, Light
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 from vision_core.types.tables import TEAMS, Table
@@ -66,8 +65,8 @@ class Picture:
     scene: Scene
     floor_bgr: Floats
     """Colors of a grid over the field, shape (n, 3)."""
-    discs: list[Candidate]
-    """Everything that has the shape of the ball."""
+    shapes: dict[tuple[bytes, float], list[Candidate]] = field(default_factory=dict)
+    """What was found by shape, by template and height: ``Trial.shapes``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,18 +129,25 @@ class Trial:
         else:
             lit = self._relighter.relit(pixels, light).copy()
         floor = lit[self._floor[:, 1], self._floor[:, 0]].astype(np.float64)
-        scene, ball = scene_of(lit, self._floor), self.kinds[BALL]
-        discs = find_candidates(lit, scene, self.camera_map, ball.template, ball.height_m, self.half_extent_m)
-        return Picture(lit, scene, floor, discs)
+        return Picture(lit, scene_of(lit, self._floor), floor)
+
+    def shapes(self, picture: Picture, kind: Kind) -> list[Candidate]:
+        """Everything in a picture that has the shape of a marker or the ball; searched once, which takes its time."""
+        key = (kind.template.points_m.tobytes(), kind.height_m)
+        if key not in picture.shapes:
+            picture.shapes[key] = find_candidates(
+                picture.pixels, picture.scene, self.camera_map, kind.template, kind.height_m, self.half_extent_m
+            )
+        return picture.shapes[key]
 
     @property
     def light(self) -> Light:
         """Of the last picture that was measured."""
         return self._perception.lighting.light
 
-    def use(self, measured: Measured, sampling: SamplingSettings) -> None:
-        """See the next pictures with a palette, which has all paints in their order."""
-        self._perception.recolor(compile_samples(measured, sampling))
+    def use(self, table: ColorTable) -> None:
+        """See the next pictures with the colors of a table that has all paints in their order."""
+        self._perception.recolor(table)
 
     def judge(self, picture: Picture) -> Judged:
         """What the palette reads in a picture."""

@@ -19,6 +19,7 @@
 | lines/<camera> | lines | whether the painted lines are where they should be |
 | exposure/<camera> | exposure | how light the field is |
 | colors/<camera> | colors | how far the light has drifted from the venue's |
+| palette/<camera> | follow | the colors in force while they follow the light |
 | frame_requests/<camera> | capture | which image a simulated camera or a file is to deliver next |
 | frames_done/<camera> | source | that this image is in its slot |
 | lags | serve | histograms of the lags of server, network and clients |
@@ -52,6 +53,7 @@ from vision_core.rtdb.layout import RecordSpec
 from vision_core.timing.histogram import size_of
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.overlay import Looking, Overlay
+from vision_core.types.palette import LivePalette
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 from vision_core.types.tables import SightingsTable, ViewsTable, WorldTable
 from vision_core.types.tracks import World
@@ -78,6 +80,9 @@ SELF_TEST = packed("selftest", SelfTest, 2048, 0.0)
 MAX_OVERLAY = 393216
 """Size of an overlay [bytes]; ``pipeline.overlay`` keeps within it."""
 
+MAX_PALETTE = 98304
+"""Size of a palette [bytes]: 64 KiB are its classes."""
+
 
 source = per_camera("source", SourceInfo, 16384, 0.0)
 sightings: CameraRecord[Sightings] = per_camera_table("sightings", SightingsTable, 0.25)
@@ -87,6 +92,7 @@ boundary = per_camera("boundary", Finding[FieldBoundary], 16384, WATCHED_S)
 lines = per_camera("lines", Finding[LineCheck], 4096, WATCHED_S)
 exposure = per_camera("exposure", Finding[ExposureCheck], 4096, WATCHED_S)
 colors = per_camera("colors", Finding[ColorDrift], 4096, WATCHED_S)
+palette = per_camera("palette", LivePalette, MAX_PALETTE, 0.0)
 overlay = per_camera("overlay", Overlay, MAX_OVERLAY, 3.0)
 frame_requests = per_camera("frame_requests", FrameRequest, 256, 0.0)
 frames_done = per_camera("frames_done", FrameDone, 256, 0.0)
@@ -101,6 +107,7 @@ CATALOG: tuple[AnyRecord, ...] = (
     lines,
     exposure,
     colors,
+    palette,
     diagnosis,
     WORLD,
     VIEWS,

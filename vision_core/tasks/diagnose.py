@@ -2,6 +2,7 @@
 
 from vision_core.clock import after
 from vision_core.pipeline.diagnosis import reasons_of
+from vision_core.pipeline.live_colors import LiveColors
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
@@ -18,6 +19,7 @@ def start(handle: Handle) -> Step:
     camera = handle.camera.name
     perception = Perception(handle.settings, handle.camera)
     perception.warm_up()
+    colors = LiveColors(perception, handle.reader(records.palette(camera)))
     images = Images(handle)
     writer = handle.writer(records.diagnosis(camera))
 
@@ -26,6 +28,7 @@ def start(handle: Handle) -> Step:
         if image is None:
             return images.none_result
         deadline = after(handle.clock.now(), BUDGET_S)
+        colors.refresh(handle.clock.now())
         seen = perception.perceive(image, handle.clock).record()
         reasons = reasons_of(perception, seen, deadline=deadline, clock=handle.clock)
         writer.write(Diagnosis(camera, image.number, image.grabbed, reasons), image.grabbed, handle.clock.now())

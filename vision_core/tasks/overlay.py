@@ -1,5 +1,6 @@
 """Task: images -> what is drawn over the picture, while somebody looks; otherwise it reads no image."""
 
+from vision_core.pipeline.live_colors import LiveColors
 from vision_core.pipeline.overlay import OverlayMaker
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
@@ -13,11 +14,12 @@ def start(handle: Handle) -> Step:
     looking = handle.reader(records.LOOKING)
     overlays = handle.writer(records.overlay(handle.camera.name))
     images = Images(handle)
-    maker: OverlayMaker | None = None
+    palettes = handle.reader(records.palette(handle.camera.name))
+    prepared: tuple[OverlayMaker, LiveColors] | None = None
     last = 0
 
     def step(_release: Release) -> StepResult:
-        nonlocal maker, last
+        nonlocal prepared, last
         look = looking.read(handle.clock.now())
         if look is None or not look.value.layers or look.value.until < handle.clock.now():
             return IDLE
@@ -27,7 +29,11 @@ def start(handle: Handle) -> Step:
         if image.number == last:
             return IDLE
         last = image.number
-        maker = maker or OverlayMaker(Perception(handle.settings, handle.camera))
+        if prepared is None:
+            perception = Perception(handle.settings, handle.camera)
+            prepared = OverlayMaker(perception), LiveColors(perception, palettes)
+        maker, colors = prepared
+        colors.refresh(handle.clock.now())
         overlay = maker.make(image, look.value.layers, handle.clock)
         overlays.write(overlay, image.grabbed, handle.clock.now())
         return RAN

@@ -1,7 +1,8 @@
 """The task table: everything that runs, on one page.
 
     light -> capture -> frames -> perceive -> sightings -> serve -> datagrams
-       source (renders)   |                                 | |
+       source (renders)   |   ^                             | |
+                          |   +-- palette <- follow         | |
                           +-> obstacles --------------------+ |
                           +-> boundary, lines, exposure, colors, diagnose      web <- everything that was written
                           +-> overlay <- looking <- web
@@ -72,7 +73,9 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         return line(name, PERIOD, [frames], [f"{name}/{camera}"], purpose=purpose)
 
     yield from _camera_tasks(settings, camera)
-    yield line("perceive", frames, [frames], [sightings], on_frame_path=True, purpose="finds robots and ball")
+    palette = records.palette(camera).name
+    yield line("perceive", frames, [frames, palette], [sightings], on_frame_path=True, purpose="finds robots and ball")
+    yield line("follow", PERIOD, [frames], [palette], purpose="keeps the colors right in other light")
     yield line(
         "serve",
         sightings,
@@ -90,11 +93,13 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         watcher("colors", "checks the light"),
     )
     yield from watchers
-    yield line("diagnose", frames, [frames], [diagnosis], purpose="explains why something is not seen")
+    yield line("diagnose", frames, [frames, palette], [diagnosis], purpose="explains why something is not seen")
     looks, overlay = records.LOOKING.name, records.overlay(camera).name
-    yield line("overlay", PERIOD, [frames, looks], [overlay], purpose="draws what is found while somebody looks")
+    yield line(
+        "overlay", PERIOD, [frames, looks, palette], [overlay], purpose="draws what is found while somebody looks"
+    )
     watched = [record for task in watchers for record in task.writes]
-    shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay]
+    shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay, palette]
     shown += ["processes", "selftest", "log", "world", "views", "serving", "lags"]
     yield line(
         "web",
