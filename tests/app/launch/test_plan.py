@@ -52,7 +52,7 @@ def test_every_module_that_is_started_by_name_exists(plan: ServicePlan) -> None:
 
 def test_an_ordinary_process_may_compute_for_long_and_a_real_time_one_may_not(plan: ServicePlan) -> None:
     ordinary = {each.name for each in plan.children if not each.real_time}
-    assert ordinary == {"log_reader", "compile", "responder", "source", "diagnose", "web"}
+    assert ordinary == {"log_reader", "compile", "responder", "source", "follow", "diagnose", "web"}
     assert child(plan, "diagnose").longest_run_s == ORDINARY_MAX_RUN_S
     assert child(plan, "perceive").longest_run_s == 1.0
 
