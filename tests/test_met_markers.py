@@ -127,4 +127,6 @@ def test_one_robot_per_team_needs_no_code(tmp_path: Path) -> None:
     assert (found.robots, found.detect, found.validate) == ("b1 y1", (), "")
     several, _ = read(tmp_path, NO_CODE, [("blue", 1), ("blue", 1), ("yellow", 1)])
     assert several.robots == "b? b? y1"
-    assert re.search("two robots have the marker of blue 1, so none of them has an id: at", several.detect[0])
+    assert re.search(
+        "2 blue robots wear pattern .*, which has no code, so none of them has an id: at", several.detect[0]
+    )

@@ -177,6 +177,17 @@ def test_all_that_are_missed_are_listed(tmp_path: Path) -> None:
         assert any(math.hypot(x - u, y - v) < 3.0 for u, v in named), (x, y)
 
 
+def test_markings_in_a_teams_color_are_one_reason(tmp_path: Path) -> None:
+    """More yellow dots than the match has yellow robots."""
+    shown = drawn(robots=[robot for robot in ROBOTS if robot[0] == "blue"])
+    for number in range(8):
+        shown.paint_disc("yellow", -1.0 + 0.28 * number, -1.0, 0.025, 0.0)
+    found = told(tmp_path, points_venue(), shown.as_bytes())
+    assert found.robots == "b1 b2 b3"
+    assert len(found.detect) == 1
+    assert found.detect[0].startswith("8 patches of a yellow robot's color and size are without another patch near, at")
+
+
 def own_pattern(folder: Path, name: str, dots: Sequence[tuple[float, float]], ids: Sequence[str]) -> Pattern:
     """A pattern file of the team's dot in the middle and code dots of 40 mm round it."""
     patches = "\n".join(f'[[patches]]\ncolor = "code"\ncircle_mm = [{x}, {y}, 40.0]' for x, y in dots)

@@ -25,8 +25,9 @@ MIN_GAIN_RATIO = 1.3
 """Another pattern is suggested when it explains the picture better by this factor."""
 NO_ID_WEIGHT = 0.2
 """Of the confidence of a robot without an id, when patterns are compared."""
-MIN_MIRRORED = 2
-"""So many robots must agree that the picture is a mirror image."""
+MIN_MIRRORED, MIN_STRANGE = 2, 3
+"""So many robots must agree that the picture is a mirror image: those that exist only mirrored, and those whose ids no
+robot of the match has, which may just be other robots."""
 SAME_PX = 3.0
 """Robots nearer to each other are one."""
 
@@ -58,7 +59,7 @@ def mirror_reason(scene: Scene, robots: Table, settings: Settings) -> Reason | N
             strange += 1
             shown.append(f"{TEAMS[robot['team']]} {robot['id']} would be {other['id']}")
         expected += other["team"] == robot["team"] and int(other["id"]) in ids
-    if strange < MIN_MIRRORED or expected < len(read):
+    if strange < MIN_STRANGE or expected < len(read):
         return None
     seen = f"{strange} of the {len(read)} robots have ids that no robot of the match has, and mirrored all have one"
     return Reason(f"{text}: {seen} ({', '.join(shown)})", advice, float(len(read)), is_calibration=True)

@@ -55,7 +55,7 @@ def explain_robots(
     seen = seen_robots(scene, finder)
     robots = seen.robots
     missed = missed_robots(scene, finder, settings, seen)
-    reasons = list(_not_found(missed))
+    reasons = list(_not_found(missed, seen, settings))
     for marker in finder.markers:
         own = robots[robots["team"] == marker.team]
         if not len(robots) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
@@ -90,14 +90,29 @@ def _doubts(
         yield mirror
 
 
-def _not_found(missed: list[Missed]) -> Iterator[Reason]:
+def _not_found(missed: list[Missed], seen: SeenRobots, settings: Settings) -> Iterator[Reason]:
     """What is like a robot and is not found: each with its place."""
     for team in sorted({one.team for one in missed}):
         own = [one for one in missed if one.team == team]
         name = "robot" if team == NO_TEAM else f"{TEAMS[team]} robot"
+        lone = [one for one in own if one.is_alone]
+        lacking = settings.match.numbers - int((seen.found["team"] == team).sum())
+        if len(lone) > max(lacking, MAX_REASONS):
+            own = [one for one in own if not one.is_alone]
+            yield _markings(lone, name, lacking)
         for one in own[:MAX_REASONS]:
             yield Reason(f"a {name} at ({one.x_px:.0f}, {one.y_px:.0f}) px is not found: {one.why}", one.advice, 1.0)
-        yield from _further([(one.x_px, one.y_px) for one in own[MAX_REASONS:]], name, "not found", own[0].advice)
+        if further := own[MAX_REASONS:]:
+            places = [(one.x_px, one.y_px) for one in further]
+            yield from _further(places, name, "not found", further[0].advice)
+
+
+def _markings(lone: list[Missed], name: str, lacking: int) -> Reason:
+    """More patches of a team's color alone than the match has robots: perhaps none of them is one."""
+    places = places_in_words(np.array([(one.x_px, one.y_px) for one in lone]), MAX_PLACES)
+    what = f"{len(lone)} patches of a {name}'s color and size are without another patch near, at {places}"
+    text = f"{what}: robots whose other patches are not seen, or markings of the field"
+    return Reason(text, f"{lone[0].advice} Mask markings that have a team's color.", float(max(lacking, 0)))
 
 
 def _further(places: list[tuple[float, float]], name: str, what: str, advice: str) -> Iterator[Reason]:
@@ -183,7 +198,11 @@ def _why_no_id(scene: Scene, marker: Marker, seen: SeenRobots, settings: Setting
     yield from _further(further, f"{name} robot", "without an id", "Repair their markers, or widen the color classes.")
     for number, count in shown.items():
         where = places_in_words(np.array([place for one, place in twins if one == number]), MAX_PLACES)
-        if count > 1:
+        if count > 1 and not marker.has_code:
+            pattern = pattern_name(settings, marker)
+            text = f"{count} {name} robots wear pattern {pattern}, which has no code, so none of them has an id"
+            yield Reason(f"{text}: at {where}", "Let them wear a pattern with a code.", float(count))
+        elif count > 1:
             text = f"{NUMERALS.get(count, count)} robots have the marker of {name} {number}, so none of them has an id"
             yield Reason(f"{text}: at {where}", "Give each robot a marker of its own.", float(count))
         else:

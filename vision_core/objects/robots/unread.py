@@ -65,6 +65,8 @@ class Missed:
     why: str
     """After "is not found: "."""
     advice: str
+    is_alone: bool = False
+    """Only its team's patch is seen."""
 
 
 def unread_because(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> Reason | None:
@@ -236,7 +238,7 @@ def _alone(scene: Scene, finder: RobotFinder, marker: Marker, blob: int, setting
     name = pattern_name(settings, marker)
     why = f"its team's patch is there, without another patch of pattern {name} near"
     advice = "Choose the pattern that the robots wear, or widen the classes of its patches."
-    return Missed(marker.team, x, y, why, advice)
+    return Missed(marker.team, x, y, why, advice, is_alone=True)
 
 
 def places_in_words(places: Floats, most: int) -> str:
