@@ -66,6 +66,9 @@ def new(
     ] = None,
     swap_ends: Annotated[bool, typer.Option("--swap-ends", help="The field's left end is the other one.")] = False,
     measures: Annotated[bool, typer.Option("--measures", help="Solve the field's measures too.")] = False,
+    find_colors: Annotated[
+        bool, typer.Option("--find-colors", help="Find the colors in the pictures by themselves.")
+    ] = False,
     sample: Annotated[
         list[str] | None,
         typer.Option(help="CLASS=X,Y of the first picture, CLASS=N:X,Y of the N-th, or CLASS=#rrggbb; again for more."),
@@ -103,6 +106,7 @@ def new(
         swap_ends=swap_ends,
         measures=measures,
         samples=tuple(sample or ()),
+        finds_colors=find_colors,
     )
     talk = Talk(interactive=_is_terminal(), progress=Progress("new venue"))
     draft, files = set_up(answers, talk)

@@ -16,9 +16,9 @@ from vision_core.native.opencv import read_picture
 from vision_core.settings.schema import HexColor
 from vision_core.setup.camera import find_camera
 from vision_core.setup.choices import missing_colors, pattern_choices, with_pattern, with_preset, with_sample
-from vision_core.setup.colors import sample_at
+from vision_core.setup.colors import find_all_colors, sample_at
 from vision_core.setup.draft import Draft, DraftPicture
-from vision_core.setup.findings import CameraTrial, taken
+from vision_core.setup.findings import CameraTrial, taken, with_colors
 from vision_core.setup.jobs import CameraWish, Corners
 from vision_core.setup.recognize import recognize_field
 from vision_core.setup.run import look_at
@@ -26,6 +26,7 @@ from vision_core.venues.presets import shipped, shipped_fields
 
 T = TypeVar("T")
 FIND = "find"
+FIND_COLORS = "find the colors in the pictures by themselves?"
 RADIUS_PX = 2
 """A sample is the median of the square so far round its place."""
 
@@ -52,6 +53,7 @@ class Answers:
     swap_ends: bool
     measures: bool
     samples: tuple[str, ...]
+    finds_colors: bool
 
 
 class Talk:
@@ -243,6 +245,8 @@ def _tell(trial: CameraTrial) -> None:
 
 def _colors(draft: Draft, pixels: Sequence[Bytes], answers: Answers, talk: Talk) -> Draft:
     """With samples of every color."""
+    finds = answers.finds_colors or (talk.is_interactive and not answers.samples and talk.agrees(FIND_COLORS))
+    draft = _found(draft, pixels, answers, talk) if finds else draft
     for text in answers.samples:
         draft = _sampled(draft, pixels, text)
     while missing := missing_colors(draft):
@@ -250,6 +254,19 @@ def _colors(draft: Draft, pixels: Sequence[Bytes], answers: Answers, talk: Talk)
         question = f"{name}: X,Y of it in the first picture, N:X,Y in the N-th, or #rrggbb"
         draft = talk.ask(question, f"--sample {name}=X,Y", lambda text: _sampled(now, pixels, f"{name}={text}"))  # noqa: B023
     return draft
+
+
+def _found(draft: Draft, pixels: Sequence[Bytes], answers: Answers, talk: Talk) -> Draft:
+    """With colors that are found in the pictures; on a terminal doubtful ones are named instead of taken."""
+    trial = talk.working(lambda tell: find_all_colors(draft, pixels, tell))
+    for paint in trial.paints:
+        typer.echo(f"{paint.name}: {paint.color}, seen on {paint.patches} patches")
+    typer.echo(f"with these colors: {trial.robots} robots, {trial.with_id} with an id, {trial.balls} balls")
+    for reason in trial.reasons:
+        typer.echo(f"  {reason}")
+    if trial.is_accepted:
+        return with_colors(draft, trial) if answers.finds_colors or talk.agrees("take these colors?") else draft
+    return draft if talk.is_interactive or answers.samples else with_colors(draft, trial)  # says why not
 
 
 def _sampled(draft: Draft, pixels: Sequence[Bytes], text: str) -> Draft:

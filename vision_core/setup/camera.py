@@ -19,6 +19,7 @@ from vision_core.regions.shift_words import calibration_reasons
 from vision_core.settings.schema import FieldSettings, HomographySettings, NamedPoint, Settings
 from vision_core.setup.draft import Draft, DraftCamera
 from vision_core.setup.findings import CameraTrial
+from vision_core.setup.floor_colors import floor_colors
 from vision_core.setup.jobs import CameraWish
 from vision_core.setup.venue_file import settings_of
 from vision_core.types.reasons import Reason
@@ -75,7 +76,8 @@ def trial_of(
         lens = result.camera
         model = PinholeCamera(lens.focal_px, lens.center_px, lens.distortion, lens.position_m, lens.rotation_deg)
         reference = _reference(pixels, model, field)
-        camera = DraftCamera("pinhole", result.size_px, how, reference, pinhole=result.camera)
+        floor = floor_colors(pixels)
+        camera = DraftCamera("pinhole", result.size_px, how, reference, floor, pinhole=result.camera)
     height_m = result.camera.position_m[2]
     return CameraTrial(
         camera, result.measures_m, result.reasons, result.notes, result.lines, height_m, calibration=result
@@ -107,7 +109,8 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
         return CameraTrial(None, {}, (reason,), (), (), height_m, calibration=None)
     notes = _wall_notes(draft, field, setup.model, wish.height_m)
     how = " ".join(["Named points: the four corners of the field, as somebody dragged them.", *notes])
-    camera = msgspec.structs.replace(camera, how=how, reference_bgr=_reference(pixels, setup.model, field))
+    reference = _reference(pixels, setup.model, field)
+    camera = msgspec.structs.replace(camera, how=how, reference_bgr=reference, floor=floor_colors(pixels))
     if field.line_width_m > 0.0:
         notes += tuple(map(str, calibration_reasons(pixels, field, setup)))
     return CameraTrial(camera, {}, (), notes, _drawn(field, setup.model), height_m, calibration=None)

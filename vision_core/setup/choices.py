@@ -9,6 +9,9 @@ from vision_core.patterns.loader import Pattern, load_pattern, looks
 from vision_core.setup.draft import MAX_SAMPLES, NOTHING, Draft
 from vision_core.venues.presets import field_of, shipped
 
+ALIKE = 24
+"""Largest difference of a channel between nearly the same colors."""
+
 
 def pattern_choices() -> dict[str, Pattern]:
     """The shipped patterns by the names of their files."""
@@ -42,18 +45,29 @@ def missing_colors(draft: Draft) -> list[str]:
 
 
 def with_sample(draft: Draft, name: str, color: str) -> Draft:
-    """The draft with one more sample of a class. Raises SettingsError for a class that nothing has, or too many."""
+    """The draft with one more sample of a class; what is like it is no longer "none".
+
+    Raises SettingsError for a class that nothing has, a sample of another one, or too many.
+    """
     accepted = [*needed_colors(draft), NOTHING]
     if name not in accepted:
         raise SettingsError(f"color class {name}", found="nothing wears it", accepted=", ".join(accepted))
     samples: Mapping[str, tuple[str, ...]] = draft.samples
     for other, colors in samples.items():
-        if other != name and color in colors:
+        if other not in (name, NOTHING) and color in colors:
             raise SettingsError(f"{color} as {name}", found=f"a sample of {other}", accepted="each color in one class")
     own = tuple(dict.fromkeys((*samples.get(name, ()), color)))
     if len(own) > MAX_SAMPLES:
         raise SettingsError(f"samples of {name}", found=str(len(own)), accepted=f"at most {MAX_SAMPLES}")
-    return msgspec.structs.replace(draft, samples={**samples, name: own})
+    kept = tuple(each for each in samples.get(NOTHING, ()) if name == NOTHING or not _alike(each, color))
+    none = {NOTHING: kept} if NOTHING in samples else {}
+    return msgspec.structs.replace(draft, samples={**samples, **none, name: own})
+
+
+def _alike(one: str, other: str) -> bool:
+    """Are two colors "#rrggbb" nearly the same?"""
+    levels = [[int(text[at : at + 2], 16) for at in (1, 3, 5)] for text in (one, other)]
+    return all(abs(a - b) <= ALIKE for a, b in zip(*levels, strict=True))
 
 
 def without_sample(draft: Draft, name: str, color: str) -> Draft:

@@ -1,7 +1,10 @@
 """Colors of a new venue: measured in its pictures, and what the classes make of every pixel."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from vision_core.calibration.result import Progress
 from vision_core.clock import Instant
 from vision_core.color.explain import in_words
 from vision_core.color.light import Lighting
@@ -12,8 +15,10 @@ from vision_core.evaluation.overlay import draw_classes
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.native.opencv import encode_png
-from vision_core.setup.draft import Draft
-from vision_core.setup.findings import ClassMap, Sampled
+from vision_core.palette.find import find_colors
+from vision_core.setup.choices import needed_colors
+from vision_core.setup.draft import NOTHING, Draft
+from vision_core.setup.findings import ClassMap, ColorTrial, PaintSeen, Sampled
 from vision_core.setup.venue_file import settings_of
 
 
@@ -31,6 +36,26 @@ def sample_at(draft: Draft, pixels: Bytes, place_px: tuple[int, int], radius_px:
     square = lit[max(y - radius_px, 0) : y + radius_px + 1, max(x - radius_px, 0) : x + radius_px + 1]
     median = np.median(square.reshape(-1, 3), axis=0)
     return Sampled(hex_from_bgr(median.tolist()), in_words(median))
+
+
+def find_all_colors(draft: Draft, pictures: Sequence[Bytes], progress: Progress) -> ColorTrial:
+    """Every color of markers and ball, from pictures that show robots in about the same light.
+
+    pictures: shape (height, width, 3) each, of the draft's size. Raises SettingsError, and what progress raises.
+    """
+    found = find_colors(pictures, settings_of(draft), lambda share, what: progress(what, share))
+    needed = {*needed_colors(draft), NOTHING}
+    return ColorTrial(
+        samples={name: tuple(dict.fromkeys(c)) for name, c in found.colors.samples.items() if name in needed and c},
+        sampling=found.colors.sampling,
+        light=found.colors.light,
+        paints=tuple(PaintSeen(paint.name, paint.color, paint.patches) for paint in found.paints),
+        robots=sum(picture.robots for picture in found.pictures),
+        with_id=sum(picture.with_id for picture in found.pictures),
+        balls=sum(picture.balls for picture in found.pictures),
+        reasons=found.reasons,
+        is_accepted=found.accepted,
+    )
 
 
 def class_map(draft: Draft, pixels: Bytes) -> ClassMap:

@@ -10,13 +10,15 @@ from vision_core.settings.schema import (
     HexColor,
     HomographySettings,
     Level,
+    LightSettings,
     PinholeSettings,
     Record,
+    SamplingSettings,
 )
 
 NAME = r"^[a-z0-9][a-z0-9_-]{0,39}$"
 MAX_PICTURES = 32
-MAX_SAMPLES = 64
+MAX_SAMPLES = 256
 """Of a color class."""
 NOTHING = "none"
 """The class of colors that must not be found."""
@@ -45,6 +47,8 @@ class DraftCamera(Record, frozen=True):
     """How it was made, for a comment."""
     reference_bgr: tuple[Level, Level, Level]
     """Mean color of the carpet in the first picture [grey levels]."""
+    floor: tuple[HexColor, ...] = ()
+    """Colors of the first picture that are no paper's: floor, lines, bodies."""
     pinhole: PinholeSettings | None = None
     homography: HomographySettings | None = None
 
@@ -72,6 +76,10 @@ class Draft(Record, frozen=True):
     ball_radius_m: Annotated[float, Meta(gt=0.002, le=0.5)] = 0.02135
     samples: dict[str, Samples] = msgspec.field(default_factory=dict)
     """Measured colors by class; "none": what must not be found."""
+    sampling: SamplingSettings | None = None
+    """How near colors must be to the samples, as it was found with them; None: as usual."""
+    light: LightSettings | None = None
+    """The light of the samples, as it was found with them; None: that of the first picture, by the carpet."""
 
     @property
     def size_px(self) -> tuple[int, int] | None:

@@ -8,7 +8,8 @@ from msgspec import Struct
 
 from vision_core.calibration.result import Calibration, LineResult
 from vision_core.errors import SettingsError
-from vision_core.setup.draft import Draft, DraftCamera
+from vision_core.settings.schema import LightSettings, SamplingSettings
+from vision_core.setup.draft import NOTHING, Draft, DraftCamera
 from vision_core.types.reasons import Reason
 
 
@@ -72,6 +73,33 @@ class Picked(Struct, frozen=True):
     classes: ClassMap
 
 
+class PaintSeen(Struct, frozen=True):
+    """The color of one paint that was found."""
+
+    name: str
+    color: str
+    """#rrggbb"""
+    patches: int
+    """How many patches show it; 0: its name alone tells it."""
+
+
+class ColorTrial(Struct, frozen=True):
+    """Colors that were found without a name for any of them."""
+
+    samples: dict[str, tuple[str, ...]]
+    sampling: SamplingSettings
+    light: LightSettings
+    paints: tuple[PaintSeen, ...]
+    robots: int
+    """That are read with these colors, in all pictures."""
+    with_id: int
+    balls: int
+    reasons: tuple[Reason, ...]
+    """What is doubtful: papers that are too alike, paints that nobody wears."""
+    is_accepted: bool
+    """It is clear enough to be taken."""
+
+
 class SeenRobot(Struct, frozen=True):
     """A robot that was found in a picture."""
 
@@ -111,12 +139,25 @@ class VenueTrial(Struct, frozen=True):
 
 
 def taken(draft: Draft, trial: CameraTrial) -> Draft:
-    """The draft with a camera, and the measures of the field that were solved with it. Raises SettingsError."""
+    """The draft with a camera, and with the measures of the field that were solved with it.
+
+    Where nothing was sampled yet it begins with the colors of the floor. Raises SettingsError.
+    """
     if trial.camera is None or draft.field is None:
         found = "; ".join(map(str, trial.reasons)) or "no camera"
         raise SettingsError("the camera", found=found, accepted="one that is not refused")
     measures = {name: round(value, 4) for name, value in trial.measures_m.items()}
-    return msgspec.structs.replace(draft, camera=trial.camera, field=msgspec.structs.replace(draft.field, **measures))
+    field = msgspec.structs.replace(draft.field, **measures)
+    samples = draft.samples or {NOTHING: trial.camera.floor}
+    return msgspec.structs.replace(draft, camera=trial.camera, field=field, samples=samples)
+
+
+def with_colors(draft: Draft, trial: ColorTrial) -> Draft:
+    """The draft with colors that were found, in place of its samples. Raises SettingsError for doubtful ones."""
+    if not trial.is_accepted:
+        found = "; ".join(map(str, trial.reasons)) or "no robot that is read clearly"
+        raise SettingsError("the colors", found=found, accepted="colors with which robots are read, or picked ones")
+    return msgspec.structs.replace(draft, samples=trial.samples, sampling=trial.sampling, light=trial.light)
 
 
 def painted_share(lines: Sequence[LineResult]) -> float:

@@ -61,6 +61,13 @@ class FindCamera(Struct, frozen=True, tag=True):
     wish: CameraWish
 
 
+class FindColors(Struct, frozen=True, tag=True):
+    """The colors of markers and ball, by themselves: a ``ColorTrial``."""
+
+    draft: Draft
+    pictures: tuple[str, ...]
+
+
 class Pick(Struct, frozen=True, tag=True):
     """A color of a picture for a class: a ``Picked``."""
 
@@ -89,4 +96,4 @@ class Try(Struct, frozen=True, tag=True):
     """For overlays."""
 
 
-SetupJob: TypeAlias = Look | Show | Recognize | FindCamera | Pick | MapClasses | Try
+SetupJob: TypeAlias = Look | Show | Recognize | FindCamera | FindColors | Pick | MapClasses | Try

@@ -9,9 +9,9 @@ from vision_core.native.opencv import encode_jpeg, read_picture, shrink
 from vision_core.regions.picture_kind import kind_reasons
 from vision_core.setup.camera import find_camera
 from vision_core.setup.choices import with_sample
-from vision_core.setup.colors import class_map, sample_at
+from vision_core.setup.colors import class_map, find_all_colors, sample_at
 from vision_core.setup.findings import Looked, Picked
-from vision_core.setup.jobs import FindCamera, Look, MapClasses, Pick, Recognize, SetupJob, Show
+from vision_core.setup.jobs import FindCamera, FindColors, Look, MapClasses, Pick, Recognize, SetupJob, Show
 from vision_core.setup.recognize import recognize_field
 from vision_core.setup.trial import try_venue
 from vision_core.setup.venue_file import settings_of
@@ -38,6 +38,8 @@ def run(job: SetupJob, progress: Progress) -> object:
             )
         case FindCamera():
             return find_camera(job.draft, _read(job.pictures), job.wish, progress)
+        case FindColors():
+            return find_all_colors(job.draft, _read(job.pictures), progress)
         case Pick():
             pixels = read_picture(Path(job.picture))
             sampled = sample_at(job.draft, pixels, job.place_px, job.radius_px)

@@ -6,7 +6,7 @@ There is no other way from a draft to settings: what is tried is what is saved.
 import json
 import textwrap
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -168,11 +168,24 @@ def _colors(draft: Draft) -> str:
     lines = [_line("[colors.classes]", "none by boxes: every class of this venue is by samples"), ""]
     lines.append(_line("[colors.samples]", "measured colors of each class; none: what must not be found"))
     lines += [sample_line(name, colors) for name, colors in draft.samples.items() if colors]
-    if draft.camera is not None:
-        reference = ", ".join(f"{level:.1f}" for level in draft.camera.reference_bgr)
+    if draft.sampling is not None:
+        found = msgspec.structs.asdict(draft.sampling)
+        lines += ["", _line("[colors.sampling]", "found with the samples"), *_values(found)]
+    if draft.light is not None:
+        lines += [
+            "",
+            _line("[colors.light]", "the light of the samples"),
+            *_values(msgspec.structs.asdict(draft.light)),
+        ]
+    elif draft.camera is not None:
         lines += ["", _line("[colors.light]", "other light than that of the samples is judged by the carpet")]
-        lines += ["adapt = true", f"reference_bgr = [{reference}]"]
+        lines += _values({"adapt": True, "reference_bgr": draft.camera.reference_bgr})
     return "\n".join(lines)
+
+
+def _values(table: Mapping[str, object]) -> list[str]:
+    """Keys with numbers, lists of numbers, and yes or no."""
+    return [f"{key} = {json.dumps(value)}" for key, value in table.items()]
 
 
 def _robots(draft: Draft) -> str:

@@ -92,6 +92,32 @@ class FieldTrialReport(Report):
     """Why its camera is refused, the first reason; empty when it is accepted."""
 
 
+class PaintReport(Report):
+    """The color of one paint that was found."""
+
+    name: str
+    color: str
+    """#rrggbb"""
+    patches: int
+    """How many patches show it; 0: its name alone tells it."""
+
+
+class ColorTrialReport(Report):
+    """Colors that were found without a click."""
+
+    is_accepted: bool
+    is_current: bool
+    """They are of the draft's pictures, markers and ball as they are now."""
+    is_taken: bool
+    paints: list[PaintReport]
+    robots: int
+    """That are read with these colors, in all pictures."""
+    with_id: int
+    balls: int
+    reasons: list[ReasonReport]
+    """What is doubtful."""
+
+
 class SeenRobotReport(Report):
     """A robot that was found."""
 
@@ -164,6 +190,7 @@ class NewVenueReport(Report):
     fields: list[FieldTrialReport] | None
     """Every preset, the best first; null: not tried with these pictures."""
     found_camera: CameraTrialReport | None
+    found_colors: ColorTrialReport | None
     trial: VenueTrialReport | None
     is_saved: bool
     """There is a venue's file of this name."""
@@ -280,6 +307,7 @@ def venue_from(desk: Desk) -> NewVenueReport:
         error=job.step.error,
         fields=_fields(desk),
         found_camera=_camera(desk, draft),
+        found_colors=_colors(desk, draft),
         trial=_trial(desk),
         is_saved=(own_venues_folder() / f"{draft.name}.toml").exists(),
     )
@@ -338,6 +366,23 @@ def _camera(desk: Desk, draft: Draft) -> CameraTrialReport | None:
         height_m=_finite(trial.height_m),
         measures_m=trial.measures_m,
         **_figures(trial),
+    )
+
+
+def _colors(desk: Desk, draft: Draft) -> ColorTrialReport | None:
+    found = desk.colors()
+    if found is None:
+        return None
+    of, trial = found
+    return ColorTrialReport(
+        is_accepted=trial.is_accepted,
+        is_current=desk.is_worn(of),
+        is_taken=(trial.samples, trial.light) == (draft.samples, draft.light),
+        paints=[PaintReport(name=paint.name, color=paint.color, patches=paint.patches) for paint in trial.paints],
+        robots=trial.robots,
+        with_id=trial.with_id,
+        balls=trial.balls,
+        reasons=[ReasonReport(text=reason.text, advice=reason.advice) for reason in trial.reasons],
     )
 
 

@@ -284,6 +284,18 @@ def _step_routes(router: APIRouter, desk: Desk, configuration: Configuration) ->
         desk.take_camera()
         return venue_from(desk)
 
+    @router.post("/colors", status_code=HTTPStatus.ACCEPTED)
+    def find_colors() -> NewVenueReport:
+        """Begins to search the colors of markers and ball in the pictures, without a name for any of them."""
+        desk.find_colors()
+        return venue_from(desk)
+
+    @router.post("/colors/accept")
+    def accept_colors() -> NewVenueReport:
+        """Takes the colors that were found, in place of all samples."""
+        desk.take_colors()
+        return venue_from(desk)
+
     @router.post("/samples")
     def sample(wanted: SampleRequest) -> SampledReport:
         """Measures the color of a place in a picture, as the venue's light would show it, and adds it to a class."""

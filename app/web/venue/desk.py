@@ -17,9 +17,31 @@ from vision_core.native.opencv import encode_png
 from vision_core.settings.schema import Settings
 from vision_core.setup.choices import with_preset, with_sample
 from vision_core.setup.draft import Draft, DraftPicture
-from vision_core.setup.findings import CameraTrial, ClassMap, FieldTrial, Looked, Picked, Sampled, VenueTrial, taken
+from vision_core.setup.findings import (
+    CameraTrial,
+    ClassMap,
+    ColorTrial,
+    FieldTrial,
+    Looked,
+    Picked,
+    Sampled,
+    VenueTrial,
+    taken,
+    with_colors,
+)
 from vision_core.setup.folder import DraftFolder
-from vision_core.setup.jobs import CameraWish, FindCamera, Look, MapClasses, Pick, Recognize, SetupJob, Show, Try
+from vision_core.setup.jobs import (
+    CameraWish,
+    FindCamera,
+    FindColors,
+    Look,
+    MapClasses,
+    Pick,
+    Recognize,
+    SetupJob,
+    Show,
+    Try,
+)
 from vision_core.startup import SET_UP
 from vision_core.types.job_step import JobStep
 
@@ -38,7 +60,7 @@ class Desk:
         self.drafts = DraftFolder(folder)
         self.job = BackgroundJob("a step of the new venue")
         self.step = ""
-        """The step of the newest job: field, camera or trial."""
+        """The step of the newest job: field, camera, colors or trial."""
         self._upload = threading.Lock()
         self._shown: dict[tuple[str, int], bytes] = {}
         self._classes: tuple[tuple[int, str], ClassMap] | None = None
@@ -97,6 +119,19 @@ class Desk:
             raise RequestRefused(HTTPStatus.CONFLICT, "the camera", found="no field yet", accepted=accepted)
         self._begin("camera", FindCamera(self.draft, self._pictures(), wish))
 
+    def find_colors(self) -> None:
+        """Begin to search the colors of markers and ball. Raises RequestRefused."""
+        self._begin("colors", FindColors(self.draft, self._pictures()))
+
+    def take_colors(self) -> None:
+        """Let the colors that were found be the draft's. Raises RequestRefused for doubtful ones, or other markers."""
+        found = self.colors()
+        if found is None or not self.is_worn(found[0]):
+            words = "none yet" if found is None else "those of other pictures or markers"
+            raise RequestRefused(HTTPStatus.CONFLICT, "the colors", found=words, accepted="a search first")
+        with refused(HTTPStatus.CONFLICT):
+            self.drafts.change(with_colors(self.draft, found[1]), "colors that were found")
+
     def try_it(self, in_use: Settings) -> None:
         """Begin to look at the pictures with the draft and with the settings in use. Raises RequestRefused."""
         self._begin("trial", Try(self.draft, self._pictures(), in_use, str(self.drafts.overlays)))
@@ -108,6 +143,10 @@ class Desk:
     def camera(self) -> tuple[int, CameraTrial] | None:
         """The newest camera that was searched, and the number of the draft that it is of."""
         return self.drafts.finding("camera", CameraTrial)
+
+    def colors(self) -> tuple[int, ColorTrial] | None:
+        """The newest colors that were found, and the number of the draft that they are of."""
+        return self.drafts.finding("colors", ColorTrial)
 
     def trial(self) -> tuple[int, VenueTrial] | None:
         """What was seen with the venue, and the number of the draft that it is of."""
@@ -138,6 +177,12 @@ class Desk:
         """Is a camera that was searched with a draft one for the present pictures and field?"""
         draft = self.drafts.draft_of(number)
         return draft is not None and draft.field == self.draft.field and self.is_of_these_pictures(number)
+
+    def is_worn(self, number: int) -> bool:
+        """Are colors that were found with a draft those of the present pictures, markers and ball?"""
+        draft, now = self.drafts.draft_of(number), self.draft
+        worn = draft is not None and (draft.pattern, draft.ball_color) == (now.pattern, now.ball_color)
+        return worn and self.is_of_these_pictures(number)
 
     def is_tried(self, number: int) -> bool:
         """Does a draft that was tried see what the present one sees? Names change nothing of that."""

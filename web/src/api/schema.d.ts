@@ -469,6 +469,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/new-venue/colors": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Find Colors
+         * @description Begins to search the colors of markers and ball in the pictures, without a name for any of them.
+         */
+        post: operations["find_colors_api_v1_new_venue_colors_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/new-venue/colors/accept": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Accept Colors
+         * @description Takes the colors that were found, in place of all samples.
+         */
+        post: operations["accept_colors_api_v1_new_venue_colors_accept_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/new-venue/differences": {
         parameters: {
             query?: never;
@@ -1951,6 +1991,37 @@ export interface components {
             waiting: components["schemas"]["WaitingReport"][];
         };
         /**
+         * ColorTrialReport
+         * @description Colors that were found without a click.
+         */
+        ColorTrialReport: {
+            /** Balls */
+            balls: number;
+            /** Is Accepted */
+            is_accepted: boolean;
+            /**
+             * Is Current
+             * @description They are of the draft's pictures, markers and ball as they are now.
+             */
+            is_current: boolean;
+            /** Is Taken */
+            is_taken: boolean;
+            /** Paints */
+            paints: components["schemas"]["PaintReport"][];
+            /**
+             * Reasons
+             * @description What is doubtful.
+             */
+            reasons: components["schemas"]["ReasonReport"][];
+            /**
+             * Robots
+             * @description That are read with these colors, in all pictures.
+             */
+            robots: number;
+            /** With Id */
+            with_id: number;
+        };
+        /**
          * ColorsReport
          * @description How the light differs from the light in which the colors were sampled.
          */
@@ -2864,6 +2935,7 @@ export interface components {
              */
             fields: components["schemas"]["FieldTrialReport"][] | null;
             found_camera: components["schemas"]["CameraTrialReport"] | null;
+            found_colors: components["schemas"]["ColorTrialReport"] | null;
             /**
              * Is Own Field
              * @description The measures differ from the preset's.
@@ -2953,6 +3025,24 @@ export interface components {
              * @description SCHED_FIFO priority; 0: an ordinary process.
              */
             priority?: number | null;
+        };
+        /**
+         * PaintReport
+         * @description The color of one paint that was found.
+         */
+        PaintReport: {
+            /**
+             * Color
+             * @description #rrggbb
+             */
+            color: string;
+            /** Name */
+            name: string;
+            /**
+             * Patches
+             * @description How many patches show it; 0: its name alone tells it.
+             */
+            patches: number;
         };
         /**
          * Password
@@ -5456,6 +5546,136 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ChoicesReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    find_colors_api_v1_new_venue_colors_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewVenueReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    accept_colors_api_v1_new_venue_colors_accept_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewVenueReport"];
                 };
             };
             /** @description Nobody is logged in */

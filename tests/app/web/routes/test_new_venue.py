@@ -198,6 +198,12 @@ def test_a_step_is_cancelled_and_the_draft_stays(http: httpx.Client, shown: tupl
     time.sleep(0.2)
     venue = http.get("/new-venue").json()
     assert (venue["fields"], len(venue["pictures"])) == (None, 1)
+    refused = http.post("/new-venue/colors/accept", json={})
+    assert (refused.status_code, refused.json()["found"]) == (409, "none yet")
+    wait_for(lambda: http.post("/new-venue/colors", json={}).status_code == 202, 20.0)
+    ended = wait_for_end(http)
+    assert (ended["job"], ended["state"]) == ("colors", "failed")
+    assert "the field; found: not chosen yet" in ended["error"]
 
 
 def test_it_is_the_operators_alone(http: httpx.Client) -> None:
