@@ -6,9 +6,9 @@ with the reason of every value as a comment; the settings of a draft are those t
 is what is saved. ``folder`` keeps a draft with its pictures, its history and its findings on the disk.
 
 The steps: ``recognize`` (which field preset, by its painted lines), ``camera`` (by the lines, or by the corners of
-walls), ``colors`` (samples, and the class of every pixel), ``trial`` (what is seen with it, picture by picture).
+walls), ``colors`` (found, or sampled; the class of every pixel), ``trial`` (what is seen with it, picture by picture).
 
-Files, outside in: ``run`` (the steps, for a process of their own) with ``jobs`` and ``findings``, which are data alone,
-``trial``, ``colors``, ``recognize``, ``camera``, ``folder``, ``venue_file``, ``choices``, ``draft``. A page imports the
-data, ``folder``, ``venue_file`` and ``choices``: no stage of perception is loaded by it.
+Files, outside in: ``run`` (the steps, for a process of their own) with ``jobs`` and ``findings``, which are data
+alone, ``trial``, ``colors``, ``floor_colors``, ``recognize``, ``camera``, ``folder``, ``venue_file``, ``choices``,
+``draft``. A page imports the data, ``folder``, ``venue_file`` and ``choices``: no stage of perception is loaded by it.
 """

@@ -16,7 +16,7 @@ MIN_FLOOR, MAX_FLOOR = 0.01, 16
 GREY_BANDS = (0.0, 40.0, 80.0, 130.0, 190.0, 256.0)
 """Borders of brightness between which greys are taken: bodies, shadows, walls, lines."""
 MAX_GREY, MIN_GREY = 0.22, 0.002
-"""Largest difference of a grey's channels, as a share of the brightest; a band has at least so large a share of them."""
+"""Largest difference of a grey's channels, as a share of the brightest; a band counts from so large a share on."""
 
 
 def floor_colors(pixels: Bytes) -> tuple[str, ...]:
