@@ -1,10 +1,10 @@
 """A palette kept right while the light changes.
 
 Every look judges the palette in force on the newest picture. Where less is read than usual, the palette is learned anew
-from the robots that still are; when that does not help, it is found from nothing. A change is made only when the
-picture is explained clearly better by it, and what counts there is the shape of the markers, which no color can feign:
-so a hand over the field or an empty field changes nothing. The palette of the settings stays beside it: it comes back
-as soon as it explains the picture as well.
+from the robots that still are; when that does not help, it is found from nothing. A change is made only when more robots
+are read with it and the picture is explained clearly better; what counts there is the shape of the markers, which no
+color can feign: so a hand over the field or an empty field changes nothing. The palette of the settings comes back as
+soon as it explains the picture as well.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
 
 BETTER = 0.4
-"""A palette must score so much more than the one in force: about a fifth of a robot that is read."""
+"""A palette must read more robots than the one in force, and score so much more: a fifth of one that is read."""
 USUAL_SHARE = 0.93
 """With a smaller share of the usual score something is missing."""
 AS_GOOD = 0.97
@@ -87,13 +87,17 @@ class Follower:
     def _improved(self, picture: Picture, now: Palette) -> Look:
         """A better palette, if there is one."""
         learned = refined(self.trial, [picture], now)
-        best, what = (learned, "learned") if learned.score > now.score + BETTER else (now, "kept")
+        best, what = (learned, "learned") if _is_better(learned, now) else (now, "kept")
         if best.score < USUAL_SHARE * self._usual:
             found = find_palette(self.trial, [picture], self._progress)
-            if found.score > best.score + BETTER:
+            if _is_better(found, best):
                 best, what = found, "found"
         if what == "kept":
             self._wait, self._patience = self._patience, min(2 * self._patience, MAX_PATIENCE)
             return Look(now, what)
         self._palette, self._last = best, best.score
         return Look(best, what)
+
+
+def _is_better(one: Palette, other: Palette) -> bool:
+    return one.read > other.read and one.score > other.score + BETTER

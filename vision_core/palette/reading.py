@@ -30,6 +30,11 @@ class Palette:
     """Of each picture."""
 
     @property
+    def read(self) -> int:
+        """How many robots are read in the pictures."""
+        return sum(int((one.evidence > 0.0).sum()) for one in self.judged)
+
+    @property
     def learned(self) -> bool:
         """Was it learned from robots that were read?"""
         return bool(self.counts.any())

@@ -53,9 +53,7 @@ def start(handle: Handle) -> Step:
         look = follower.look(image.pixels)
         if look.what != "kept":
             read = look.palette.judged[0]
-            changes.append(
-                PaletteChange(handle.clock.now(), look.what, len(read.robots), int((read.evidence > 0.0).sum()))
-            )
+            changes.append(PaletteChange(handle.clock.now(), look.what, len(read.robots), look.palette.read))
             del changes[:-MAX_CHANGES]
         if look.what != "kept" or palettes.sequence == 0:
             write(look, image.grabbed)
