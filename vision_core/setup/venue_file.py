@@ -112,6 +112,7 @@ def _field(draft: Draft) -> str:
     if draft.field == field_of(draft.preset):
         return preset
     measures = {name: getattr(draft.field, name) for name in FieldSettings.__struct_fields__ if name != "goal"}
+    measures["name"] = draft.name
     lines = [f"{name} = {json.dumps(value)}" for name, value in measures.items()]
     lines[0] = _line(lines[0], "not the preset's measures but these")
     goal = [f"{name} = {json.dumps(value)}" for name, value in msgspec.structs.asdict(draft.field.goal).items()]
