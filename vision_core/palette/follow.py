@@ -1,10 +1,10 @@
 """A palette kept right while the light changes.
 
 Every look judges the palette in force on the newest picture. Where less is read than usual, the palette is learned anew
-from the robots that still are; when that does not help, it is found from nothing. A change is made only when more robots
-are read with it and the picture is explained clearly better; what counts there is the shape of the markers, which no
-color can feign: so a hand over the field or an empty field changes nothing. The palette of the settings comes back as
-soon as it explains the picture as well.
+from the robots that still are; when that does not help, it is found from nothing. A change is made only when more
+robots are read with it and the picture is explained clearly better. What counts there is the shape of the markers,
+which no color can feign: so a hand over the field or an empty field changes nothing. The palette of the settings comes
+back as soon as it explains the picture as well.
 """
 
 from dataclasses import dataclass

@@ -1731,6 +1731,8 @@ export interface components {
              * @description Objects of robot size that are no known robot and no ball; 0 while nothing looks for them.
              */
             obstacles: number;
+            /** @description Null until the task follow has looked at a picture. */
+            palette: components["schemas"]["PaletteReport"] | null;
             /**
              * Rate Hz
              * @description Images per second, as configured [1/s].
@@ -3043,6 +3045,73 @@ export interface components {
              * @description How many patches show it; 0: its name alone tells it.
              */
             patches: number;
+        };
+        /**
+         * PaintShiftReport
+         * @description How a paint looks now, beside how the settings have it: log B/G and log R/G.
+         */
+        PaintShiftReport: {
+            /** Name */
+            name: string;
+            /** Now */
+            now: [
+                number,
+                number
+            ];
+            /**
+             * Patches
+             * @description From which it was learned; 0: placed by its name.
+             */
+            patches: number;
+            /** Set Up */
+            set_up: [
+                number,
+                number
+            ];
+        };
+        /**
+         * PaletteChangeReport
+         * @description One change of the colors in force.
+         */
+        PaletteChangeReport: {
+            /** Age S */
+            age_s: number;
+            /**
+             * Read
+             * @description Of these, read.
+             */
+            read: number;
+            /**
+             * Robots
+             * @description Seen with the new colors in the picture that led to it.
+             */
+            robots: number;
+            /**
+             * What
+             * @description learned: from the robots that were still read; found: anew, from nothing; start: back to the settings' colors.
+             */
+            what: string;
+        };
+        /**
+         * PaletteReport
+         * @description The colors that the service sees with while they follow the light.
+         */
+        PaletteReport: {
+            /**
+             * As Set Up
+             * @description Are the settings' colors in force?
+             */
+            as_set_up: boolean;
+            /**
+             * Changes
+             * @description The last ones, oldest first.
+             */
+            changes: components["schemas"]["PaletteChangeReport"][];
+            /**
+             * Paints
+             * @description Empty while the settings' colors are in force.
+             */
+            paints: components["schemas"]["PaintShiftReport"][];
         };
         /**
          * Password
