@@ -8,6 +8,8 @@ import msgspec
 import numpy as np
 import pytest
 
+from vision_core.capture.synthetic.camera import SyntheticCamera
+from vision_core.clock import Instant, ManualClock
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import painted_points
@@ -62,6 +64,17 @@ def test_lines_in_their_places_are_in_order() -> None:
     assert shifts is not None
     assert np.abs(shifts.shifts_px).max() < 1.0
     assert (shifts.bow_px, calibration_reasons(drawn(4), FIELD, camera())) == (0.0, ())
+
+
+def test_the_demo_s_walls_beside_its_lines_raise_no_alarm() -> None:
+    settings = load_settings()
+    setup = CameraSetup.from_settings(settings)
+    source = SyntheticCamera(settings, setup, ManualClock(Instant(100)), paced=False)
+    pixels = setup.black_image()
+    for _ in range(40):
+        for _ in range(12):
+            source.grab(pixels)
+        assert displaced_reasons(pixels, settings.field, setup) == ()
 
 
 @pytest.mark.parametrize("thickness_px", [1, 4])

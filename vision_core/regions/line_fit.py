@@ -72,6 +72,8 @@ class LineShifts:
     """Pieces of lines that lie where this puts them."""
     agreement: float
     """Their share of those that should be in the picture."""
+    in_place: int
+    """Pieces of lines that lie where the calibration puts them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,6 +169,9 @@ def _shifts_from(
 ) -> LineShifts | None:
     """Search the lines where a first motion puts them, and again where that leads."""
     reach_px = max(REACH_PX, round(REACH * pixels.shape[0]))
+    unmoved = [
+        one for one in _sections(pixels, field, camera, motion, motion.growing(0.0), reach_px) if one is not None
+    ]
     for _ in range(MAX_ROUNDS):
         searched = list(_sections(pixels, field, camera, motion, moved, reach_px))
         sections = [section for section in searched if section is not None]
@@ -185,6 +190,7 @@ def _shifts_from(
         bow_at_m=motion.bow_at_m,
         agreeing=agreeing,
         agreement=agreeing / len(searched),
+        in_place=sum(abs(section.offset_px) <= NOISE_PX for section in unmoved),
     )
 
 

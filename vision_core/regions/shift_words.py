@@ -26,6 +26,9 @@ MAX_BOW_PX, MAX_BOW = 4.0, 0.01
 """The same for the bow of lines, which no hand that clicks corners adds to."""
 MIN_AGREEMENT = 0.5
 """Where a smaller share of the pieces of lines agrees, something else than the lines was found."""
+MIN_GAIN = 1.2
+"""A displacement must put so many times as many pieces of lines in place as there are without it: walls beside lines
+look like lines, too."""
 MAX_UNLIKE = 0.35
 """Corners are displaced alike when what they do beside a common motion is at most this share of the displacement."""
 MIN_PART = 0.3
@@ -54,7 +57,7 @@ def displaced_reasons(
     is_thorough: take up to three times as long to find a field of another size.
     """
     shifts = line_shifts(pixels, field, setup.model, is_thorough=is_thorough)
-    if shifts is None or shifts.agreement < MIN_AGREEMENT:
+    if shifts is None or shifts.agreement < MIN_AGREEMENT or shifts.agreeing < MIN_GAIN * shifts.in_place:
         return ()
     return tuple(_Words(shifts, setup, field, pixels.shape[0]).reasons())
 
