@@ -25,8 +25,9 @@ from vision_core.net.control import attach_to
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PAPER_CLIENT = ROOT / "bench" / "paper_client.py"
 PATIENCE_S = 30.0
-PROCESSES = {"log_reader", "responder", "source", "capture", "perceive", "obstacles", "watch", "diagnose", "serve"} | {
-    "web"
+PROCESSES = {"log_reader", "responder", "source", "capture", "perceive", "obstacles", "watch", "follow", "diagnose"} | {
+    "serve",
+    "web",
 }
 SPARES = {"spare-1", "spare-2"}
 SERVE = [sys.executable, "-m", "app.main", "serve", "--port", "0", "--udp-port", "0"]

@@ -125,7 +125,19 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
     }
     assert (status["selftest"]["grade"], status["selftest"]["policy"]) == ("A", "FIFO 50")
     states = {process["name"]: process["state"] for process in status["processes"]}
-    running = ("capture", "source", "perceive", "serve", "obstacles", "watch", "diagnose", "web", "spare-1", "spare-2")
+    running = (
+        "capture",
+        "source",
+        "perceive",
+        "serve",
+        "obstacles",
+        "watch",
+        "follow",
+        "diagnose",
+        "web",
+        "spare-1",
+        "spare-2",
+    )
     assert states == {"compile": "done", **dict.fromkeys(running, "running")}
 
 
