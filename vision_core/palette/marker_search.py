@@ -8,18 +8,15 @@ are then moved until they fit best.
 """
 
 import math
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vision_core.color.light import PixelPlaces
 from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.camera_kernels import CameraMap, pixel_from_field
 from vision_core.native.kernels import kernel
 from vision_core.palette.template import POINTS, Template
-
-PixelPlaces: TypeAlias = NDArray[np.int32]
-"""x, y, shape (n, 2)."""
 
 HEADINGS = 36
 STEP = 0.25

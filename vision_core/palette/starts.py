@@ -75,5 +75,5 @@ def _alike(kinds: Iterable[Kind]) -> list[list[Kind]]:
     """Kinds by their shape: often both teams wear the same pattern."""
     by_shape: dict[tuple[bytes, float], list[Kind]] = {}
     for kind in kinds:
-        by_shape.setdefault((kind.template.points_m.tobytes(), kind.height_m), []).append(kind)
+        by_shape.setdefault(kind.shape, []).append(kind)
     return list(by_shape.values())

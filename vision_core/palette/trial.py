@@ -13,14 +13,14 @@ import msgspec
 import numpy as np
 
 from vision_core.clock import Instant, ManualClock
-from vision_core.color.light import Relighter, field_samples
+from vision_core.color.light import PixelPlaces, Relighter, field_samples
 from vision_core.color.samples import hex_from_bgr
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_kernels import CameraMap, camera_map_from
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
-from vision_core.palette.marker_search import Candidate, PixelPlaces, Scene, find_candidates, scene_of, score_of
+from vision_core.palette.marker_search import Candidate, Scene, find_candidates, scene_of, score_of
 from vision_core.palette.template import NEUTRAL, Template, disc_template, template_of
 from vision_core.patterns.loader import TEAM, Pattern, load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
@@ -55,6 +55,11 @@ class Kind(NamedTuple):
     ids: tuple[int, ...]
     worn: np.ndarray
     """Number of the paint of every patch of the template for every id, shape (ids, patches)."""
+
+    @property
+    def shape(self) -> tuple[bytes, float]:
+        """What tells it from kinds that look different without their colors."""
+        return self.template.points_m.tobytes(), self.height_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +138,7 @@ class Trial:
 
     def shapes(self, picture: Picture, kind: Kind) -> list[Candidate]:
         """Everything in a picture that has the shape of a marker or the ball; searched once, which takes its time."""
-        key = (kind.template.points_m.tobytes(), kind.height_m)
+        key = kind.shape
         if key not in picture.shapes:
             picture.shapes[key] = find_candidates(
                 picture.pixels, picture.scene, self.camera_map, kind.template, kind.height_m, self.half_extent_m

@@ -8,7 +8,7 @@ that is. ``shift_words`` says what follows from it.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,9 +154,17 @@ def line_shifts(
     is larger or smaller, too.
     """
     motion = _Motion(field, camera, pixels.shape)
+    reach_px = max(REACH_PX, round(REACH * pixels.shape[0]))
+
+    def search(moved: Floats) -> list[_Section | None]:
+        return list(_sections(pixels, field, camera, motion, moved, reach_px))
+
+    still = search(motion.growing(0.0))
+    in_place = sum(section is not None and abs(section.offset_px) <= NOISE_PX for section in still)
     best: LineShifts | None = None
     for growth in (0.0, *GROWTHS) if is_thorough else (0.0,):
-        found = _shifts_from(pixels, field, camera, motion, motion.growing(growth))
+        moved = motion.growing(growth)
+        found = _shifts_from(search, motion, moved, still if growth == 0.0 else search(moved), reach_px, in_place)
         if found is not None and (best is None or found.agreeing > best.agreeing):
             best = found
         if best is not None and best.agreement >= SURE:
@@ -165,15 +173,15 @@ def line_shifts(
 
 
 def _shifts_from(
-    pixels: Bytes, field: FieldSettings, camera: CameraModel, motion: _Motion, moved: Floats
-) -> LineShifts | None:
-    """Search the lines where a first motion puts them, and again where that leads."""
-    reach_px = max(REACH_PX, round(REACH * pixels.shape[0]))
-    unmoved = [
-        one for one in _sections(pixels, field, camera, motion, motion.growing(0.0), reach_px) if one is not None
-    ]
-    for _ in range(MAX_ROUNDS):
-        searched = list(_sections(pixels, field, camera, motion, moved, reach_px))
+    search: Callable[[Floats], list[_Section | None]], motion: _Motion, moved: Floats,
+    searched: list[_Section | None], reach_px: int, in_place: int,
+) -> LineShifts | None:  # fmt: skip
+    """The displacement by the lines found where a first motion puts them, searched again where that leads.
+
+    searched: what was found there; in_place: pieces of lines that lie where the calibration puts them.
+    """
+    for number in range(MAX_ROUNDS):
+        searched = search(moved) if number else searched
         sections = [section for section in searched if section is not None]
         if len(sections) < MIN_SECTIONS:
             return None
@@ -190,7 +198,7 @@ def _shifts_from(
         bow_at_m=motion.bow_at_m,
         agreeing=agreeing,
         agreement=agreeing / len(searched),
-        in_place=sum(abs(section.offset_px) <= NOISE_PX for section in unmoved),
+        in_place=in_place,
     )
 
 
