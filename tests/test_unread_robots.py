@@ -17,7 +17,8 @@ from tests.drawn_field import ROBOTS, drawn, points_venue, told
 from tests.objects.drawing import CODES, STANDARD, Picture
 from vision_core.geometry import Bytes
 from vision_core.native.opencv import read_picture
-from vision_core.patterns.loader import Pattern, load_pattern, mirrored
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern, mirrored
 
 pytestmark = pytest.mark.slow
 

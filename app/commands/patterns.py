@@ -10,7 +10,7 @@ from vision_core.errors import SettingsError
 
 if TYPE_CHECKING:
     from vision_core.patterns.distinctness import PatternReport, Rival
-    from vision_core.patterns.loader import Pattern
+    from vision_core.patterns.pattern import Pattern
 
 app = typer.Typer(no_args_is_help=True, help="Markers that robots wear: list, check and print them.")
 

@@ -13,7 +13,8 @@ from vision_core.geometry import Bytes, Floats, Mask, frozen, rotation
 from vision_core.models.camera import CameraModel, PinholeCamera
 from vision_core.models.field import painted_points
 from vision_core.native.kernels import read_only
-from vision_core.patterns.loader import CODE, TEAM, Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import CODE, TEAM, Pattern
 from vision_core.settings.schema import FieldSettings, Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import Table

@@ -8,7 +8,8 @@ from vision_core.models.camera_kernels import camera_map_from
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.objects.robots.scene import Scene
-from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.tables import MAX_ROBOTS, ROBOT, Table
 from vision_core.venues.loader import config_folder

@@ -12,7 +12,8 @@ from vision_core.palette.naming import Group, name_paints
 from vision_core.palette.template import disc_template, template_of
 from vision_core.palette.trial import Kind
 from vision_core.patterns.geometry import depth_mm
-from vision_core.patterns.loader import TEAM, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import TEAM
 from vision_core.types.colors import chromaticity
 
 EXTENT_M = 0.3, 0.3

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from vision_core.errors import SettingsError
-from vision_core.patterns.loader import load_pattern, looks
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import looks
 from vision_core.types.objects import Team
 from vision_core.venues.loader import config_folder
 

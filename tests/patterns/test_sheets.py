@@ -9,7 +9,8 @@ import pytest
 
 from vision_core.errors import SettingsError, SourceError
 from vision_core.evaluation.pattern_colors import report_on_colors
-from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern
 from vision_core.patterns.sheets import RULER_MM, write_sheets
 from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from vision_core.geometry import Floats, frozen
 from vision_core.patterns.geometry import depth_mm, inner_points_mm, rim_mm
-from vision_core.patterns.loader import TEAM, Pattern
+from vision_core.patterns.pattern import TEAM, Pattern
 
 NEUTRAL = ("white", "pale")
 """Paints without a hue."""

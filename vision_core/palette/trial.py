@@ -22,8 +22,9 @@ from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
 from vision_core.palette.marker_search import Candidate, Scene, find_candidates, scene_of, score_of
 from vision_core.palette.template import NEUTRAL, Template, disc_template, template_of
-from vision_core.patterns.loader import TEAM, Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.patterns.pattern import TEAM, Pattern
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import LightSettings, Settings
 from vision_core.types.colors import ColorTable, Light

@@ -1,6 +1,6 @@
 """Markers: pattern files, and what follows from them without a picture.
 
-``geometry`` (patches as polygons and disks), ``loader`` (a pattern file, checked), ``distinctness`` (which ids can be
-confused), ``paints`` (colors for drawing and printing), ``match_rules`` (ids for all robots of
-a match), ``sheets`` (pages to print).
+``geometry`` (patches as polygons and disks), ``pattern`` (a marker as its file describes it), ``loader`` (reads and
+checks the file), ``distinctness`` (which ids can be confused), ``paints`` (colors for drawing and printing),
+``match_rules`` (ids for all robots of a match), ``sheets`` (pages to print).
 """

@@ -19,7 +19,7 @@ from vision_core.patterns.geometry import (
     turns_onto_itself,
     width_mm,
 )
-from vision_core.patterns.loader import Pattern, looks
+from vision_core.patterns.pattern import Pattern, looks
 from vision_core.types.objects import Team
 
 MIN_PX = 5.0

@@ -1,7 +1,7 @@
 """A marker as a picture: SVG, seen from above, its front up."""
 
-from vision_core.patterns.loader import Pattern
 from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.patterns.pattern import Pattern
 from vision_core.types.objects import Team
 
 GROUND, ARROW, NO_PAINT = "#1e1e1e", "#9a9a9a", "#ffffff"

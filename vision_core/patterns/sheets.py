@@ -7,8 +7,8 @@ from fpdf import FPDF
 
 from vision_core.errors import SettingsError, SourceError
 from vision_core.patterns.geometry import reach_mm
-from vision_core.patterns.loader import Pattern
 from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.patterns.pattern import Pattern
 from vision_core.types.objects import Team
 
 PAGE_MM = (210.0, 297.0)

@@ -29,7 +29,8 @@ from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.patterns.geometry import width_mm
-from vision_core.patterns.loader import CODE, TEAM, Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import CODE, TEAM, Pattern
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable, References
 from vision_core.types.image import ImageFrame

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import msgspec
 
 from vision_core.errors import SettingsError
-from vision_core.patterns.loader import Pattern, load_pattern, looks
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern, looks
 from vision_core.setup.draft import MAX_SAMPLES, NOTHING, Draft
 from vision_core.venues.presets import field_of, shipped
 

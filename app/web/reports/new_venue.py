@@ -6,7 +6,7 @@ from app.web.background import JobState
 from app.web.reports.base import Report
 from app.web.reports.calibration import LineReport, Point, ReasonReport
 from app.web.venue.desk import Desk
-from vision_core.patterns.loader import Pattern
+from vision_core.patterns.pattern import Pattern
 from vision_core.settings.schema import FieldSettings
 from vision_core.setup.choices import missing_colors, needed_colors, pattern_choices
 from vision_core.setup.draft import Draft

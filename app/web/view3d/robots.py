@@ -9,8 +9,9 @@ from app.web.view3d.solids import CIRCLE_STEPS, circle_m, flattened, square_m, u
 from vision_core.geometry import Floats
 from vision_core.models.from_settings import robots_of
 from vision_core.models.mirror import MM_PER_M
-from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.patterns.pattern import Pattern
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.edges import BLUE_RGB, YELLOW_RGB
 from vision_core.types.objects import Team

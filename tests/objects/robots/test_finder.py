@@ -12,7 +12,8 @@ from vision_core.models.camera_kernels import camera_map_from
 from vision_core.models.from_settings import robots_of
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots, robot_finder
-from vision_core.patterns.loader import CODE, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import CODE
 from vision_core.types.objects import Team
 from vision_core.types.tables import BLOB, MAX_ROBOTS, NO_ID, ROBOT, Table
 

@@ -10,7 +10,8 @@ from tests.objects.drawing import PAINT_TABLE, SETTINGS, TABLE
 from tests.objects.finding import SHIPPED
 from vision_core.errors import SettingsError
 from vision_core.objects.robots.markers import ANCHOR_ROLE, NO_DIGIT, Marker, marker_of
-from vision_core.patterns.loader import Patch, Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import Team

@@ -15,8 +15,9 @@ from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import robots_of
-from vision_core.patterns.loader import Pattern, load_pattern
+from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
+from vision_core.patterns.pattern import Pattern
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 

@@ -13,7 +13,8 @@ from vision_core.objects.robots.buffers import FinderBuffers, finder_buffers
 from vision_core.objects.robots.finder import RobotFinder, gates_from, robot_finder
 from vision_core.objects.robots.markers import marker_of
 from vision_core.objects.robots.scene import Scene, counted
-from vision_core.patterns.loader import Pattern, load_pattern, mirrored, scaled
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern, mirrored, scaled
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.reasons import Reason
 from vision_core.types.tables import NO_ID, TEAMS, Table

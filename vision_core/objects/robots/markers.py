@@ -19,7 +19,7 @@ from vision_core.objects.robots.shapes import (
     shape_from,
 )
 from vision_core.patterns.geometry import area_mm2, centroid_mm, depth_mm, inner_points_mm
-from vision_core.patterns.loader import CODE, TEAM, Patch, Pattern
+from vision_core.patterns.pattern import CODE, TEAM, Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable, References
 from vision_core.types.objects import Team

@@ -11,7 +11,8 @@ from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
 from vision_core.objects.robots.markers import largest_tolerance_m, marker_of, tells_heading
 from vision_core.patterns.geometry import gap_mm
-from vision_core.patterns.loader import Pattern, load_pattern, looks
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern, looks
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import Team
