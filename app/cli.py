@@ -10,6 +10,7 @@ from app import __version__
 from app.commands import evaluate, patterns
 from app.commands.bench import bench
 from app.commands.calibrate import calibrate_app
+from app.commands.calibrate_lens import board, lens
 from app.commands.client import CONTEXT, client
 from app.commands.colors import colors_app
 from app.commands.compile import compile_command
@@ -37,6 +38,8 @@ for command in (serve, tasks, top, restart, passwd, token, selftest, detect, eva
     app.command()(command)
 app.command(context_settings=CONTEXT, add_help_option=False)(client)
 app.command("compile")(compile_command)
+calibrate_app.command()(board)
+calibrate_app.command()(lens)
 console = Console(stderr=True, highlight=False)
 
 

@@ -55,20 +55,19 @@ def camera(
 ) -> None:
     """Calibrate the camera by the field's painted lines, and print the lines of a venue's file.
 
+    A lens that was measured with a board ([camera.lens], `pslv calibrate lens`) holds; the lines then tell the pose.
     It begins with --corners, else with the venue's own camera; without both, or with --find, the field is searched in
     the picture. A result that cannot be trusted is refused with its reasons, and exit status 2.
     """
     from vision_core.calibration.solve import calibrate, from_other_end
     from vision_core.pipeline.calibration_check import checked_by_robots
-    from vision_core.venues.camera_edit import camera_lines, save_camera
+    from vision_core.venues.camera_edit import camera_tables, lines_of, save_camera
     from vision_core.venues.loader import layers_of, settings_from_layers
 
     layers = layers_of(venue, config)
     settings = settings_from_layers(layers, complete_palette=False)
-    target = _own_file(venue, config, layers)
-    if save and target is None:
-        raise SettingsError("--save", found="no file of yours", accepted="--venue FILE.toml or --config FILE.toml")
-    shown = _read(pictures)
+    target = own_file(venue, config, layers, is_needed=save)
+    shown = read_pictures(pictures)
     start = None if find else _start(corners, settings, layers, shown[0], height)
     progress = Progress("calibrating")
     try:
@@ -77,6 +76,7 @@ def camera(
             settings.field,
             start,
             height_m=height,
+            held=settings.camera.lens,
             frees_measures=measures,
             marker_height_m=settings.robots.height_m,
             progress=lambda what, share: progress.show(f"{share:.0%} {what}"),
@@ -92,13 +92,14 @@ def camera(
     if not result.accepted:
         raise typer.Exit(2)
     if not as_json:
-        typer.echo(camera_lines(result.camera, result.size_px, result.measures_m))
+        typer.echo(lines_of(camera_tables(result.camera, result.size_px, result.measures_m)))
     if save and target is not None:
         save_camera(layers, target, result.camera, result.size_px, result.measures_m)
         typer.echo(f"# saved in {target.name}", err=True)
 
 
-def _read(pictures: Sequence[Path]) -> "list[Bytes]":
+def read_pictures(pictures: Sequence[Path]) -> "list[Bytes]":
+    """The pictures of files, shape (height, width, 3) each. Raises SourceError."""
     from vision_core.native.opencv import read_picture
 
     return [read_picture(path) for path in pictures]
@@ -115,7 +116,7 @@ def _start(
     height, width, _ = pixels.shape
     if corners is not None:
         points = np.array(_numbers(corners)).reshape(4, 2)
-        return start_from_corners(points, settings.field, (width, height), height_m=height_m)
+        return start_from_corners(points, settings.field, (width, height), height_m=height_m, held=settings.camera.lens)
     if not _has_own_camera(layers):
         return None
     wanted = settings.camera.width_px, settings.camera.height_px
@@ -143,12 +144,17 @@ def _numbers(text: str) -> list[float]:
     return numbers
 
 
-def _own_file(venue: str | None, config: Path | None, layers: "list[Layer]") -> "Layer | None":
-    """The user's own file: --config, or a --venue that is a path; None: a shipped venue."""
+def own_file(venue: str | None, config: Path | None, layers: "list[Layer]", *, is_needed: bool) -> "Layer | None":
+    """The user's own file: --config, or a --venue that is a path; None: a shipped venue.
+
+    Raises SettingsError when it is needed.
+    """
     path = str(config) if config is not None else venue
-    if path is None or not path.endswith(".toml"):
-        return None
-    return next(layer for layer in reversed(layers) if layer.name == str(Path(path)))
+    if path is not None and path.endswith(".toml"):
+        return next(layer for layer in reversed(layers) if layer.name == str(Path(path)))
+    if is_needed:
+        raise SettingsError("--save", found="no file of yours", accepted="--venue FILE.toml or --config FILE.toml")
+    return None
 
 
 def _draw(path: Path, pixels: "Bytes", result: "Calibration") -> None:

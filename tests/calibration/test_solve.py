@@ -9,7 +9,9 @@ from vision_core.calibration.find import corners_m
 from vision_core.calibration.result import Calibration, Cancelled
 from vision_core.calibration.solve import calibrate
 from vision_core.calibration.start import start_from_lens, start_from_points
+from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
+from vision_core.settings.schema import LensSettings
 from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.slow
@@ -155,3 +157,42 @@ def test_a_caller_sees_progress_and_may_cancel(views: list[View]) -> None:
     with pytest.raises(Cancelled):
         calibrate([views[0].pixels], views[0].settings.field, None, progress=watch)
     assert shares == sorted(shares)
+
+
+def lens_of(shown: View, **wrong: float) -> LensSettings:
+    """The lens that took a picture, as if a board had told it."""
+    truth = shown.settings.camera.pinhole
+    return LensSettings(
+        size_px=(780, 580),
+        focal_px=truth.focal_px * wrong.get("focal", 1.0),
+        center_px=truth.center_px,
+        distortion=truth.distortion,
+        focal_deviation_px=2.0,
+        center_deviation_px=(0.5, 0.5),
+        distortion_deviation=(2e-3, 5e-3, 1e-4, 1e-4),
+    )
+
+
+def test_with_a_measured_lens_the_lines_tell_the_height(views: list[View]) -> None:
+    for shown in views[:3]:
+        field, held = shown.settings.field, lens_of(shown)
+        start = start_from_lens(shown.start, (780, 580), held=held)
+        for begin in (start, None):
+            result = calibrate([shown.pixels], field, begin, held=held)
+            assert result.accepted, result.reasons
+            assert result.camera.position_m[2] == pytest.approx(shown.truth.position_m[2], rel=0.01)
+            assert result.height_deviation_m < 0.05
+            assert not any("how high the camera is" in note for note in result.notes)
+            assert floor_error_m(result.camera, shown.truth, field) < MAX_ERROR_M
+
+
+def test_a_measured_lens_that_the_tape_contradicts_is_refused(views: list[View]) -> None:
+    shown, held = views[0], lens_of(views[0], focal=1.15)
+    start = start_from_lens(shown.start, (780, 580), held=held, height_m=float(shown.truth.position_m[2]))
+    said = " ".join(map(str, calibrate([shown.pixels], shown.settings.field, start, held=held).reasons))
+    assert "lens and lines put the camera" in said or "contradict the lens" in said
+
+
+def test_a_lens_of_another_picture_size_is_refused(views: list[View]) -> None:
+    with pytest.raises(SettingsError, match="accepted: 780x580 as the lens was measured with"):
+        calibrate([views[0].pixels[:-2]], views[0].settings.field, None, held=lens_of(views[0]))

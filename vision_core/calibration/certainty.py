@@ -39,7 +39,24 @@ def place_error_m(lens: Lens, covariance: Floats, places_m: Floats, size_px: tup
 
 
 def hull_area(points: Floats) -> float:
-    """Area of the convex hull of points, shape (n, 2) [m^2]."""
+    """Area of the convex hull of points, shape (n, 2), in their unit squared."""
+    x, y = _hull(points).T
+    return float(abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2.0)
+
+
+def inside_hull(places: Floats, points: Floats) -> Mask:
+    """Which places, shape (n, 2), lie in the convex hull of points, shape (k, 2)."""
+    corners = _hull(points)
+    if len(corners) < 3:
+        return np.zeros(len(places), dtype=bool)
+    sides = np.roll(corners, -1, axis=0) - corners
+    arms = places[:, None] - corners
+    turns = sides[:, 0] * arms[..., 1] - sides[:, 1] * arms[..., 0]
+    return np.asarray((turns >= 0.0).all(axis=1))
+
+
+def _hull(points: Floats) -> Floats:
+    """Corners of the convex hull, shape (n, 2), in the positive sense of rotation; one at the origin: there is none."""
     ordered = sorted(map(tuple, points.round(6).tolist()))
     hull: list[tuple[float, ...]] = []
     for half in (ordered, ordered[::-1]):
@@ -49,8 +66,7 @@ def hull_area(points: Floats) -> float:
                 chain.pop()
             chain.append((x, y))
         hull += chain[:-1]
-    x, y = np.array(hull).T if len(hull) > 2 else (np.zeros(1), np.zeros(1))
-    return float(abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()) / 2.0)
+    return np.array(hull) if len(hull) > 2 else np.zeros((1, 2))
 
 
 def _is_right(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> bool:

@@ -14,7 +14,7 @@ from vision_core.calibration.result import Calibration, LineResult
 from vision_core.calibration.solver import Fit, Prior, Sights, fit
 from vision_core.calibration.start import FIXED
 from vision_core.geometry import Bytes, Floats
-from vision_core.settings.schema import FieldSettings
+from vision_core.settings.schema import FieldSettings, LensSettings
 from vision_core.types.colors import LUMA_BGR
 from vision_core.types.reasons import Reason
 
@@ -56,6 +56,8 @@ class Scene:
     marker_height_m: float
     edge_px: float
     """Length of the picture's sharpest edges."""
+    held: LensSettings | None = None
+    """A lens that was measured with a board, of which the prior knows."""
 
     @property
     def frees_measures(self) -> bool:
@@ -100,6 +102,18 @@ def picture_reasons(pictures: Sequence[Bytes], field: FieldSettings) -> tuple[Re
     if not field.line_width_m:
         text = f"the field {field.name!r} has no painted lines (line_width_m is 0)"
         return (Reason(text, "Set the width of its lines, or use named points."),)
+    if reasons := size_reasons(pictures):
+        return reasons
+    lumas = [picture[::4, ::4] @ LUMA_BGR for picture in pictures]
+    if (bright := max(float(np.percentile(luma, 99)) for luma in lumas)) < DARK:
+        return (Reason(f"the picture is too dark: 99 % of it is below level {bright:.0f}", "Turn on the lamps."),)
+    if (middle := min(float(np.median(luma)) for luma in lumas)) > BRIGHT:
+        return (Reason(f"the picture is overexposed: half of it is above level {middle:.0f}", "Expose it shorter."),)
+    return ()
+
+
+def size_reasons(pictures: Sequence[Bytes]) -> tuple[Reason, ...]:
+    """Why the sizes of pictures do not serve; () when they do."""
     sizes = {picture.shape[1::-1] for picture in pictures}
     if len(sizes) > 1:
         found = ", ".join(f"{width}x{height}" for width, height in sorted(sizes))
@@ -107,11 +121,6 @@ def picture_reasons(pictures: Sequence[Bytes], field: FieldSettings) -> tuple[Re
     if min(min(size) for size in sizes) < MIN_SIDE_PX:
         text = f"the picture is only {min(sizes)[0]}x{min(sizes)[1]} px"
         return (Reason(text, f"Use pictures of {MIN_SIDE_PX} px or more a side."),)
-    lumas = [picture[::4, ::4] @ LUMA_BGR for picture in pictures]
-    if (bright := max(float(np.percentile(luma, 99)) for luma in lumas)) < DARK:
-        return (Reason(f"the picture is too dark: 99 % of it is below level {bright:.0f}", "Turn on the lamps."),)
-    if (middle := min(float(np.median(luma)) for luma in lumas)) > BRIGHT:
-        return (Reason(f"the picture is overexposed: half of it is above level {middle:.0f}", "Expose it shorter."),)
     return ()
 
 
@@ -200,10 +209,25 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
         yield Reason(text, "Check the field's measures.")
     if result.floor_error_m > max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m):
         yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", "Show more of the lines.")
+    yield from _lens_refusals(scene, lens, preset)
+
+
+def _lens_refusals(scene: Scene, lens: Lens, preset: str) -> Iterator[Reason]:
+    """A lens that is far from what was known of it before."""
     pulled = np.abs(scene.prior.distances(lens))
-    if pulled[FOCAL] > CENTER_SIGMAS or pulled[CENTER].max() > CENTER_SIGMAS:
-        text = "the lines fit only a lens that is not a usual one: focal length or center are far from what is expected"
-        yield Reason(text, preset)
+    is_other = pulled[FOCAL] > CENTER_SIGMAS or pulled[CENTER].max() > CENTER_SIGMAS
+    if scene.held is None:
+        if is_other:
+            text = "the lines fit only a lens that is not a usual one"
+            yield Reason(f"{text}: focal length or center are far from what is expected", preset)
+        return
+    if is_other:
+        focal = f"{lens.focal_px:.0f} px, not {scene.held.focal_px:.0f} px"
+        text = f"the lines contradict the lens that was measured with the board: they want a focal length of {focal}"
+        yield Reason(text, "Was the lens turned since? Measure it anew, or take [camera.lens] out.")
+    if pulled[HEIGHT] > CENTER_SIGMAS:
+        text = f"lens and lines put the camera {lens.position_m[2]:.2f} m high, not {scene.prior.values[HEIGHT]:.2f} m"
+        yield Reason(text, "Measure the camera's height again, or the lens.")
 
 
 def _notes(result: Calibration) -> Iterator[str]:

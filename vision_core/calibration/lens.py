@@ -59,12 +59,15 @@ class Lens:
     """Rotation, shape (3, 3)."""
     stretch: Floats = field(default_factory=lambda: np.zeros(len(MEASURES)))
     """How much larger the field's MEASURES are than its settings say [m], shape (4,)."""
+    k3: float = 0.0
+    """Of a lens that was measured with a board; lines do not determine it, so it stays as it is."""
 
     @classmethod
     def from_camera(cls, camera: PinholeCamera) -> "Lens":
-        """The same lens and pose; k3, which lines do not determine, is left out."""
+        """The same lens and pose."""
         center, distortion = camera.center_px.copy(), camera.distortion[:4].copy()
-        return cls(camera.focal_px, center, distortion, camera.position_m.copy(), camera.camera_from_field.copy())
+        position, rotation = camera.position_m.copy(), camera.camera_from_field.copy()
+        return cls(camera.focal_px, center, distortion, position, rotation, k3=float(camera.distortion[4]))
 
     @classmethod
     def from_settings(cls, lens: PinholeSettings) -> "Lens":
@@ -115,7 +118,7 @@ class Lens:
         u, v = plane.T
         k1, k2, p1, p2 = self.distortion
         r2 = u * u + v * v
-        radial, slope = 1.0 + r2 * (k1 + r2 * k2), k1 + 2.0 * k2 * r2
+        radial, slope = 1.0 + r2 * (k1 + r2 * (k2 + r2 * self.k3)), k1 + r2 * (2.0 * k2 + 3.0 * r2 * self.k3)
         mixed = 2.0 * (u * v * slope + p1 * u + p2 * v)
         bent = np.empty((len(points), 2, 2))  # distorted by undistorted
         bent[:, 0, 0] = radial + 2.0 * u * u * slope + 2.0 * p1 * v + 6.0 * p2 * u
@@ -149,7 +152,7 @@ class Lens:
         return PinholeSettings(
             focal_px=round(self.focal_px, 3),
             center_px=(round(float(self.center_px[0]), 3), round(float(self.center_px[1]), 3)),
-            distortion=(k1, k2, p1, p2, 0.0),
+            distortion=(k1, k2, p1, p2, round(self.k3, 6)),
             position_m=(x_m, y_m, z_m),
             rotation_deg=(x_deg, y_deg, z_deg),
         )
@@ -174,7 +177,7 @@ class Lens:
         k1, k2, p1, p2 = self.distortion
         u, v = plane.T
         r2 = u * u + v * v
-        radial = 1.0 + r2 * (k1 + r2 * k2)
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * self.k3))
         x = u * radial + 2.0 * p1 * u * v + p2 * (r2 + 2.0 * u * u)
         y = v * radial + p1 * (r2 + 2.0 * v * v) + 2.0 * p2 * u * v
         return np.column_stack([x, y])

@@ -14,6 +14,10 @@ Vector: TypeAlias = tuple[float, float, float, float]
 """x, y and the step x, y to where the paint is [px]."""
 
 
+def no_progress(_what: str, _share: float) -> None:
+    """For callers that show none."""
+
+
 class Cancelled(Exception):
     """Raised by a caller's progress function to end a calibration."""
 

@@ -12,13 +12,13 @@ from vision_core.calibration.judge import Measured, Scene, judged, picture_reaso
 from vision_core.calibration.lens import Lens
 from vision_core.calibration.painted import Painted, sections_for
 from vision_core.calibration.profiles import FloatImage, luma_of, sharpest_edge_px
-from vision_core.calibration.result import Calibration, Progress
+from vision_core.calibration.result import Calibration, Progress, no_progress
 from vision_core.calibration.ridges import find_ridges
 from vision_core.calibration.solver import Fit, fit
 from vision_core.calibration.start import Start, start_from_points, start_without_lines, with_free_measures
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes, Floats, Mask
-from vision_core.settings.schema import FieldSettings
+from vision_core.settings.schema import FieldSettings, LensSettings
 from vision_core.types.reasons import Reason
 
 FINE_PX = (3.0, 2.5, 2.0)
@@ -55,8 +55,13 @@ class _Try:
     """Sections that show paint near their places."""
 
 
-def no_progress(_what: str, _share: float) -> None:
-    """For callers that show none."""
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What is known besides the pictures."""
+
+    height_m: float | None
+    held: LensSettings | None
+    marker_height_m: float
 
 
 def calibrate(
@@ -66,6 +71,7 @@ def calibrate(
     *,
     height_m: float | None = None,
     frees_measures: bool = False,
+    held: LensSettings | None = None,
     marker_height_m: float = 0.0,
     advises: bool = True,
     progress: Progress = no_progress,
@@ -74,16 +80,17 @@ def calibrate(
 
     pictures: shape (height, width, 3) each, of one size; start: a camera that shows the lines at most a sixth of the
     picture beside their places; None: the field is searched, which must be wholly visible, and height_m is the camera's
-    height by tape measure, if somebody measured it; frees_measures: the field's measures, except its length, are
+    height by tape measure, if somebody measured it; held: a lens that was measured with a board, of which start knows
+    already; frees_measures: the field's measures, except its length, are
     estimates that are solved as well; marker_height_m: of the robots; advises: if it is refused, other measures of the
     field are tried, which takes as long again. What is refused says so in its reasons. Raises what progress raises.
     """
-    arguments = height_m, marker_height_m, progress
-    result = _calibrate(pictures, field, start, frees_measures, *arguments)
+    known = _Known(height_m, held, marker_height_m)
+    result = _calibrate(pictures, field, start, frees_measures, known, progress)
     if result.accepted or frees_measures or not advises or not result.samples:
         return result
     progress("trying other measures of the field", 1.0)
-    other = _calibrate(pictures, field, start, True, height_m, marker_height_m, no_progress)
+    other = _calibrate(pictures, field, start, True, known, no_progress)
     return replace(result, reasons=(*result.reasons, _better_measures(field, other))) if other.accepted else result
 
 
@@ -108,21 +115,20 @@ def _calibrate(
     field: FieldSettings,
     start: Start | None,
     frees_measures: bool,
-    height_m: float | None,
-    marker_height_m: float,
+    known: _Known,
     progress: Progress,
 ) -> Calibration:
     """``calibrate`` with the field's measures as they are, or as estimates."""
     size = pictures[0].shape[1], pictures[0].shape[0]
     progress("looking at the pictures", 0.0)
-    first = start or start_without_lines(field, size, height_m=height_m)
-    scene = Scene(field, size, first.prior, marker_height_m, edge_px=0.0)
+    first = start or start_without_lines(field, size, height_m=known.height_m, held=known.held)
+    scene = Scene(field, size, first.prior, known.marker_height_m, edge_px=0.0, held=known.held)
     if reasons := picture_reasons(pictures, field):
         return judged(scene, first.lens, None, reasons)
     lumas = [luma_of(picture) for picture in pictures]
     scene = replace(scene, edge_px=sharpest_edge_px(lumas[0]))
     progress("searching the field", 0.1)
-    starts = _near(start, pictures[0], field) if start else _found(pictures[0], field, size, height_m)
+    starts = _near(start, pictures[0], field) if start else _found(pictures[0], field, size, known)
     if frees_measures:
         starts = [with_free_measures(guess, field) for guess in starts]
     tries: list[_Try] = []
@@ -149,7 +155,7 @@ def _near(start: Start, pixels: Bytes, field: FieldSettings) -> list[Start]:
     return [start, Start(moved, start.prior)]
 
 
-def _found(pixels: Bytes, field: FieldSettings, size_px: tuple[int, int], height_m: float | None) -> list[Start]:
+def _found(pixels: Bytes, field: FieldSettings, size_px: tuple[int, int], known: _Known) -> list[Start]:
     """First guesses from a search of the whole picture."""
     starts = []
     places = find_field(pixels, field)
@@ -157,7 +163,9 @@ def _found(pixels: Bytes, field: FieldSettings, size_px: tuple[int, int], height
         if found.error_px > RIVAL_ERROR * places[0].error_px + RIVAL_ERROR_PX:
             break
         try:
-            starts.append(start_from_points(found.corners_px, corners_m(field), size_px, height_m=height_m))
+            starts.append(
+                start_from_points(found.corners_px, corners_m(field), size_px, height_m=known.height_m, held=known.held)
+            )
         except SettingsError:  # corners that no camera over the field sees so
             continue
     return starts

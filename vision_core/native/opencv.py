@@ -113,6 +113,11 @@ def ycc_picture(image: Bytes) -> Bytes:
     return cast("Bytes", cv2.cvtColor(image, cv2.COLOR_BGR2YCrCb)[..., (0, 2, 1)])
 
 
+def luma_picture(image: Bytes) -> Bytes:
+    """Luma of a picture: shape (height, width, 3) -> (height, width)."""
+    return cast("Bytes", cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+
+
 def write_yuyv(image: Bytes, pixels: Bytes) -> None:
     """Write a camera's YUYV 4:2:2 buffer as blue green red, in one pass: shapes (height, width, 2), (height, width, 3).
 

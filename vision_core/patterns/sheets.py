@@ -14,6 +14,7 @@ from vision_core.types.objects import Team
 PAGE_MM = (210.0, 297.0)
 MARGIN_MM, LABEL_MM, ARROW_MM, BETWEEN_MM = 12.0, 6.0, 7.0, 4.0
 RULER_MM = 100
+RULER_WORDS = f"{RULER_MM} mm: print at 100 %, and measure this."
 RIM_MM = 8.0
 """Width of the dark ground round the patches of a robot that is too large for a page."""
 RULER_ROOM_MM = 20.0
@@ -40,6 +41,20 @@ def write_sheets(markers: Iterable[Marker], path: Path) -> int:
     except OSError as error:
         raise SourceError(f"sheets {path}", found=error.strerror or str(error), accepted="a file to write") from None
     return sheets.pages
+
+
+def draw_ruler(pdf: FPDF, start_mm: tuple[float, float], *, down: bool = False) -> None:
+    """Draw a ruler of RULER_MM that begins at a place of the page and runs to the right, or down; its marks go up, or
+    to the left. The font of small print is set."""
+    x, y = start_mm
+    pdf.set_draw_color(0, 0, 0)
+    pdf.set_line_width(0.2)
+    pdf.line(x, y, *((x, y + RULER_MM) if down else (x + RULER_MM, y)))
+    for mark in range(0, RULER_MM + 1, 10):
+        length = 4.0 if mark % 50 == 0 else 2.0
+        at, end = ((x, y + mark), (x - length, y + mark)) if down else ((x + mark, y), (x + mark, y - length))
+        pdf.line(*at, *end)
+    pdf.set_font("helvetica", size=8)
 
 
 class _Sheets:
@@ -74,22 +89,8 @@ class _Sheets:
         self._pdf.add_page()
         self.pages += 1
         self._x, self._y, self._row = MARGIN_MM, MARGIN_MM + RULER_ROOM_MM, 0.0
-        self._ruler()
-
-    def _ruler(self) -> None:
-        pdf = self._pdf
-        pdf.set_draw_color(0, 0, 0)
-        pdf.set_line_width(0.2)
-        pdf.line(MARGIN_MM, MARGIN_MM + 5.0, MARGIN_MM + RULER_MM, MARGIN_MM + 5.0)
-        for mark in range(0, RULER_MM + 1, 10):
-            x = MARGIN_MM + mark
-            pdf.line(x, MARGIN_MM + 5.0, x, MARGIN_MM + (1.0 if mark % 50 == 0 else 3.0))
-        pdf.set_font("helvetica", size=8)
-        pdf.text(
-            MARGIN_MM,
-            MARGIN_MM + 9.0,
-            f"{RULER_MM} mm: print at 100 %, and measure this. Matt paper; cut lines are grey.",
-        )
+        draw_ruler(self._pdf, (MARGIN_MM, MARGIN_MM + 5.0))
+        self._pdf.text(MARGIN_MM, MARGIN_MM + 9.0, f"{RULER_WORDS} Matt paper; cut lines are grey.")
 
     def _draw(
         self, pattern: Pattern, team: Team, number: int, center: tuple[float, float], side: float, outline: str

@@ -63,6 +63,18 @@ class PinholeSettings(Record, frozen=True):
     rotation_deg: Annotated[Point3, Meta(description="about the camera's x, y, z; 0 0 0 looks straight down")]
 
 
+class LensSettings(Record, frozen=True):
+    """A lens that was measured with a board: it holds when the camera's pose is calibrated by painted lines."""
+
+    size_px: Annotated[tuple[int, int], Meta(description="width and height of the pictures")]
+    focal_px: Positive
+    center_px: Point2
+    distortion: Annotated[tuple[float, float, float, float, float], Meta(description="k1 k2 p1 p2 k3")]
+    focal_deviation_px: Annotated[Positive, Meta(description="standard deviation: how well it is known")]
+    center_deviation_px: tuple[Positive, Positive]
+    distortion_deviation: Annotated[tuple[Positive, Positive, Positive, Positive], Meta(description="of k1 k2 p1 p2")]
+
+
 class NamedPoint(Record, frozen=True):
     """A point of the floor with its pixel in the picture and its place on the field."""
 
@@ -97,6 +109,7 @@ class CameraSettings(Record, frozen=True):
     pinhole: PinholeSettings
     masks: Annotated[tuple[MaskSettings, ...], Meta(max_length=16)]
     homography: HomographySettings | None = None
+    lens: LensSettings | None = None
 
 
 class SyntheticSettings(Record, frozen=True):

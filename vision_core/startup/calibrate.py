@@ -40,6 +40,7 @@ def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
         job.settings.field,
         _start(job),
         height_m=job.height_m,
+        held=job.settings.camera.lens,
         marker_height_m=job.settings.robots.height_m,
         progress=lambda what, share: _tell(JobStep(what, share)),
     )
@@ -49,7 +50,9 @@ def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
 
 def _start(job: CalibrationJob) -> Start | None:
     if job.corners_px is not None:
-        return start_from_corners(np.array(job.corners_px), job.settings.field, job.size_px, height_m=job.height_m)
+        held = job.settings.camera.lens
+        corners = np.array(job.corners_px)
+        return start_from_corners(corners, job.settings.field, job.size_px, height_m=job.height_m, held=held)
     return None if job.finds else start_from_settings(job.settings.camera, height_m=job.height_m)
 
 

@@ -1,30 +1,38 @@
-"""Writes a calibrated camera into a settings file, and leaves everything else in it as it is."""
+"""Writes a calibrated camera, or a lens, into a settings file, and leaves everything else in it as it is."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from vision_core.errors import SettingsError
 from vision_core.settings.layers import Layer
-from vision_core.settings.schema import PinholeSettings
+from vision_core.settings.schema import LensSettings, PinholeSettings, Settings
 from vision_core.venues.loader import settings_from_layers
 from vision_core.venues.toml_edit import replace_file, with_values
 
+Tables: TypeAlias = dict[str, dict[str, str]]
+"""Values as they are written in TOML, by table and key."""
 
-def camera_tables(
-    camera: PinholeSettings, size_px: tuple[int, int], measures_m: Mapping[str, float]
-) -> dict[str, dict[str, str]]:
-    """The tables of a venue's file: values as they are written in TOML, by key. measures_m: of the field, if known."""
+
+def camera_tables(camera: PinholeSettings, size_px: tuple[int, int], measures_m: Mapping[str, float]) -> Tables:
+    """The tables of a venue's file. measures_m: of the field, if known."""
     lens = {name: _number(getattr(camera, name)) for name in camera.__struct_fields__}
     whole = {"width_px": str(size_px[0]), "height_px": str(size_px[1]), "model": '"pinhole"'}
     field = {"field": {name: _number(value) for name, value in measures_m.items()}} if measures_m else {}
     return {"camera": whole, "camera.pinhole": lens, **field}
 
 
-def camera_lines(camera: PinholeSettings, size_px: tuple[int, int], measures_m: Mapping[str, float]) -> str:
+def lens_tables(lens: LensSettings) -> Tables:
+    """The table of a venue's file for a lens that was measured with a board."""
+    values = {name: _number(getattr(lens, name)) for name in lens.__struct_fields__}
+    return {"camera.lens": values | {"size_px": repr(list(lens.size_px))}}
+
+
+def lines_of(tables: Tables) -> str:
     """The same as lines that can be pasted."""
     parts = []
-    for table, values in camera_tables(camera, size_px, measures_m).items():
+    for table, values in tables.items():
         parts.append("\n".join([f"[{table}]", *(f"{key} = {value}" for key, value in values.items())]))
     return "\n\n".join(parts)
 
@@ -42,18 +50,27 @@ def save_camera(
     Raises SettingsError when they would break a rule, the file's tables are written in a form that cannot be edited,
     or it cannot be written; then nothing is changed.
     """
+    _save(layers, target, camera_tables(camera, size_px, measures_m), lambda saved: saved.camera.pinhole == camera)
+
+
+def save_lens(layers: Sequence[Layer], target: Layer, lens: LensSettings) -> None:
+    """Write a lens that was measured with a board into one of the files; arguments and errors as of ``save_camera``."""
+    _save(layers, target, lens_tables(lens), lambda saved: saved.camera.lens == lens)
+
+
+def _save(layers: Sequence[Layer], target: Layer, tables: Tables, is_saved: Callable[[Settings], bool]) -> None:
     text = target.text
-    for table, values in camera_tables(camera, size_px, measures_m).items():
+    for table, values in tables.items():
         text = with_values(text, table, values)
     asked = f"--save to {target.name}"
     try:
         edited = Layer(target.name, tomllib.loads(text), text, target.kind)
         settings = settings_from_layers([edited if layer is target else layer for layer in layers])
-        saved = settings.camera.pinhole
     except tomllib.TOMLDecodeError:
-        saved = None
-    if saved != camera:
-        accepted = f"tables [camera] and [camera.pinhole]; write into it: {camera_lines(camera, size_px, measures_m)}"
+        settings = None
+    if settings is None or not is_saved(settings):
+        heads = " and ".join(f"[{table}]" for table in tables)
+        accepted = f"tables {heads}; write into it: {lines_of(tables)}"
         raise SettingsError(asked, found="camera in another form, or in a later file", accepted=accepted)
     replace_file(Path(target.name), text, asked)
 

@@ -188,7 +188,10 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
 
 
 WHOLE = frozenset(
-    {"colors.classes", "colors.samples", "protocol.letters", "camera.homography", "mirror.blue", "mirror.yellow"}
+    {
+        *("colors.classes", "colors.samples", "protocol.letters", "camera.homography", "camera.lens"),
+        *("mirror.blue", "mirror.yellow"),
+    }
 )
 """Tables that are changed as a whole."""
 
