@@ -12,7 +12,7 @@ from app.commands.progress import Progress
 from vision_core.errors import SettingsError, SourceError
 
 if TYPE_CHECKING:
-    from vision_core.calibration.result import Calibration, LineResult
+    from vision_core.calibration.result import Calibration, LineResult, PictureResult
     from vision_core.calibration.start import Start
     from vision_core.geometry import Bytes
     from vision_core.settings.schema import Settings
@@ -75,6 +75,7 @@ def camera(
             shown,
             settings.field,
             start,
+            names=[path.name for path in pictures],
             height_m=height,
             held=settings.camera.lens,
             frees_measures=measures,
@@ -173,6 +174,8 @@ def _json(result: "Calibration") -> str:
 def _report(result: "Calibration", settings: "Settings") -> str:
     """The verdict as comments of TOML."""
     lines = [_line(line) for line in result.lines]
+    if result.pictures:
+        lines += [_picture(picture) for picture in result.pictures]
     markers = f"markers at {settings.robots.height_m:g} m up to {result.marker_error_m * 1e3:.1f} mm"
     lines += [
         f"{result.rms_px:.2f} px rms over {result.samples} sections, {result.coverage:.0%} of the field",
@@ -182,6 +185,12 @@ def _report(result: "Calibration", settings: "Settings") -> str:
         *(f"refused: {reason}" for reason in result.reasons),
     ]
     return "\n".join(f"# {line}" for line in lines)
+
+
+def _picture(picture: "PictureResult") -> str:
+    if picture.shift_px is None:
+        return f"{picture.name}: {picture.sections} sections, too few to compare it with the others"
+    return f"{picture.name}: {picture.sections} sections, {picture.apart_px:.2f} px from where the others show them"
 
 
 def _line(line: "LineResult") -> str:

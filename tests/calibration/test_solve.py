@@ -196,3 +196,29 @@ def test_a_measured_lens_that_the_tape_contradicts_is_refused(views: list[View])
 def test_a_lens_of_another_picture_size_is_refused(views: list[View]) -> None:
     with pytest.raises(SettingsError, match="accepted: 780x580 as the lens was measured with"):
         calibrate([views[0].pixels[:-2]], views[0].settings.field, None, held=lens_of(views[0]))
+
+
+def test_a_camera_that_moved_between_the_pictures_is_named_with_the_picture(views: list[View]) -> None:
+    shown = views[2]
+    lower, far, slightly = (np.roll(shown.pixels, by, axis=(0, 1)) for by in ((5, 0), (0, -30), (0, 2)))
+    (said,) = map(str, from_start(shown, shown.pixels, lower, shown.pixels).reasons)
+    assert said.startswith("picture 2 shows the field 5.0 px below where the others show it. Did the camera move")
+    assert said.endswith("Leave that picture out.")
+    moved = from_start(shown, far, shown.pixels, shown.pixels)
+    assert moved.pictures[0].shift_px == pytest.approx((-30.0, 0.0), abs=0.5)
+    assert "picture 1 shows the field 30.0 px to the left of" in str(moved.reasons[0])
+    near = from_start(shown, shown.pixels, slightly)
+    assert near.accepted, near.reasons
+    assert any("picture 2 shows the field 2.0 px to the right" in note for note in near.notes)
+
+
+def test_a_picture_that_shows_no_lines_does_not_keep_the_others_from_it(views: list[View]) -> None:
+    shown, covered = views[2], views[2].pixels.copy()
+    covered[:, :480] = 90
+    for poor in (np.full_like(shown.pixels, 90), covered):
+        result = calibrate([poor, shown.pixels], shown.settings.field, None, names=["a.png", "b.png"])
+        assert result.accepted, result.reasons
+        assert floor_error_m(result.camera, shown.truth, shown.settings.field) < MAX_ERROR_M
+        assert [one.name for one in result.pictures] == ["a.png", "b.png"]
+    alone = calibrate([np.full_like(shown.pixels, 90), shown.pixels], shown.settings.field, None)
+    assert "hardly any lines are seen in picture 1" in alone.notes

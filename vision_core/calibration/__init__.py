@@ -13,13 +13,15 @@ middle does not depend on blur, glare or the width of the paint. Lines thinner t
 *Solve* (``solver``, ``lens``): Levenberg-Marquardt on the signed distances [px] along the lines' normals, with an
 analytic Jacobian, Cauchy's loss, and priors for what one plane seen from above cannot tell: the height of the camera
 and its focal length are nearly one parameter, and so are the principal point and the tilt. A tape measure helps.
+*Several pictures* (``moved``): each has a pose of its own in the end; a camera that moved between them is refused.
+*A lens from a board* (``board``) may hold: the lines then tell the pose alone.
 *Verdict* (``judge``): residuals per line, each line's distance from where all others put it, covariance, condition
 number, coverage of the field, and the reasons for a refusal.
 
 A field looks the same from both ends, and so it does in a mirror: lines do not tell these apart.
 Nothing here guesses.
 
-Files, outside in: ``solve``, ``result``, ``judge``, ``certainty``, ``start``, ``find``, ``straight``, ``align``,
-``ridges``, ``profiles``, ``painted``, ``solver``, ``lens``, ``draw``; ``job`` for a process of its own.
+Files, outside in: ``solve``, ``result``, ``moved``, ``judge``, ``certainty``, ``start``, ``find``, ``straight``,
+``align``, ``ridges``, ``profiles``, ``painted``, ``solver``, ``lens``, ``draw``; ``job`` for a process of its own.
 No file or device is opened here; a web page may call the same functions.
 """

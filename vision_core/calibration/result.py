@@ -43,6 +43,19 @@ class LineResult:
 
 
 @dataclass(frozen=True, slots=True)
+class PictureResult:
+    """One of the pictures that were calibrated by."""
+
+    name: str
+    sections: int
+    """Of lines that it shows."""
+    shift_px: tuple[float, float] | None
+    """How far to the right and down it shows the field from where the others do; None: it shows too few lines."""
+    apart_px: float
+    """Root mean square length of such distances all over its lines: a camera that turned moves no middle."""
+
+
+@dataclass(frozen=True, slots=True)
 class Calibration:
     """A camera that was calibrated, or an attempt."""
 
@@ -70,6 +83,9 @@ class Calibration:
     """Condition number of the normal equations, in units of the priors."""
     coverage: float
     """Share of the field inside the hull of the sections that count."""
+
+    pictures: tuple[PictureResult, ...] = ()
+    """Empty where no camera was found."""
 
     @property
     def accepted(self) -> bool:

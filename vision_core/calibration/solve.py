@@ -10,9 +10,10 @@ from vision_core.calibration.align import look, searched, shifted
 from vision_core.calibration.find import corners_m, find_field
 from vision_core.calibration.judge import Measured, Scene, judged, picture_reasons
 from vision_core.calibration.lens import Lens
+from vision_core.calibration.moved import moved_notes, moved_reasons, pictures_seen
 from vision_core.calibration.painted import Painted, sections_for
 from vision_core.calibration.profiles import FloatImage, luma_of, sharpest_edge_px
-from vision_core.calibration.result import Calibration, Progress, no_progress
+from vision_core.calibration.result import Calibration, PictureResult, Progress, no_progress
 from vision_core.calibration.ridges import find_ridges
 from vision_core.calibration.solver import Fit, fit
 from vision_core.calibration.start import Start, start_from_points, start_without_lines, with_free_measures
@@ -31,6 +32,8 @@ SPOT = 0.1
 """A line counts when at least this share of its sections shows paint: less may be anything."""
 NEAR_PX = 3.0
 """Of several first guesses the one counts after which most paint lies so near to its place."""
+MAX_SEARCHED, SHOWN = 3, 0.5
+"""In so many pictures the field is searched, until this share of its sections shows paint."""
 MAX_SIGMAS = 3.0
 """Sections that miss the lens by more do not count."""
 MAX_ALIKE = 0.95
@@ -62,6 +65,8 @@ class _Known:
     height_m: float | None
     held: LensSettings | None
     marker_height_m: float
+    names: tuple[str, ...]
+    """Of the pictures."""
 
 
 def calibrate(
@@ -69,6 +74,7 @@ def calibrate(
     field: FieldSettings,
     start: Start | None,
     *,
+    names: Sequence[str] = (),
     height_m: float | None = None,
     frees_measures: bool = False,
     held: LensSettings | None = None,
@@ -76,18 +82,19 @@ def calibrate(
     advises: bool = True,
     progress: Progress = no_progress,
 ) -> Calibration:
-    """Calibrate one camera by the painted lines in one or more of its pictures.
+    """Calibrate one camera by the painted lines in one or more of its pictures, between which it did not move.
 
     pictures: shape (height, width, 3) each, of one size; start: a camera that shows the lines at most a sixth of the
     picture beside their places; None: the field is searched, which must be wholly visible, and height_m is the camera's
-    height by tape measure, if somebody measured it; held: a lens that was measured with a board, of which start knows
-    already; frees_measures: the field's measures, except its length, are
+    height by tape measure, if somebody measured it; names: what messages call the pictures; held: a lens that was
+    measured with a board, of which start knows already; frees_measures: the field's measures, except its length, are
     estimates that are solved as well; marker_height_m: of the robots; advises: if it is refused, other measures of the
     field are tried, which takes as long again. What is refused says so in its reasons. Raises what progress raises.
     """
-    known = _Known(height_m, held, marker_height_m)
+    called = tuple(names) or tuple(f"picture {number}" for number in range(1, len(pictures) + 1))
+    known = _Known(height_m, held, marker_height_m, called)
     result = _calibrate(pictures, field, start, frees_measures, known, progress)
-    if result.accepted or frees_measures or not advises or not result.samples:
+    if result.accepted or frees_measures or not advises or not result.samples or _has_moved(result):
         return result
     progress("trying other measures of the field", 1.0)
     other = _calibrate(pictures, field, start, True, known, no_progress)
@@ -126,16 +133,19 @@ def _calibrate(
     if reasons := picture_reasons(pictures, field):
         return judged(scene, first.lens, None, reasons)
     lumas = [luma_of(picture) for picture in pictures]
-    scene = replace(scene, edge_px=sharpest_edge_px(lumas[0]))
-    progress("searching the field", 0.1)
-    starts = _near(start, pictures[0], field) if start else _found(pictures[0], field, size, known)
-    if frees_measures:
-        starts = [with_free_measures(guess, field) for guess in starts]
+    scene = replace(scene, edge_px=min(map(sharpest_edge_px, lumas)))
     tries: list[_Try] = []
-    for number, guess in enumerate(starts):
-        progress("moving it onto the lines", 0.3 + 0.4 * number / len(starts))
-        tries += _tries(guess, field, lumas)
-    tries.sort(key=lambda one: -one.sections)
+    for pixels in pictures[:MAX_SEARCHED]:
+        progress("searching the field", 0.1)
+        starts = _near(start, pixels, field) if start else _found(pixels, field, size, known)
+        if frees_measures:
+            starts = [with_free_measures(guess, field) for guess in starts]
+        for number, guess in enumerate(starts):
+            progress("moving it onto the lines", 0.3 + 0.4 * number / len(starts))
+            tries += _tries(guess, field, lumas)
+        tries.sort(key=lambda one: -one.sections)
+        if tries and tries[0].sections > SHOWN * len(sections_for(field, tries[0].lens)):
+            break
     if not tries:
         return judged(scene, first.lens, None, ())
     progress("fitting the camera", 0.7)
@@ -145,8 +155,22 @@ def _calibrate(
     result = judged(scene, measured.lens, measured, ())
     if start is None:
         result = replace(result, reasons=result.reasons + _rival(scene, tries, measured, lumas))
+    if len(pictures) > 1:
+        progress("comparing the pictures", 0.9)
+        result = _compared(result, pictures_seen(scene, measured.lens, pictures, lumas, known.names))
     progress("done", 1.0)
     return result
+
+
+def _has_moved(result: Calibration) -> bool:
+    """Did the camera move between the pictures?"""
+    return bool(moved_reasons(result.pictures, result.size_px))
+
+
+def _compared(result: Calibration, seen: tuple[PictureResult, ...]) -> Calibration:
+    """The same result with what each picture shows: a camera that moved between them is refused."""
+    reasons = moved_reasons(seen, result.size_px) or result.reasons
+    return replace(result, pictures=seen, reasons=reasons, notes=(*result.notes, *moved_notes(seen, result.size_px)))
 
 
 def _near(start: Start, pixels: Bytes, field: FieldSettings) -> list[Start]:
