@@ -43,11 +43,13 @@ def sample(
     """Measure colors, and print the lines of a venue's file that add them to a class."""
     from vision_core.color.explain import in_words
     from vision_core.color.samples import hex_from_bgr
-    from vision_core.venues.loader import layers_of, settings_from_layers
+    from vision_core.venues.loader import Layer, layers_of, settings_from_layers
     from vision_core.venues.palette_edit import sample_table, save_samples
 
     layers = layers_of(venue, config)
-    settings = settings_from_layers(layers, complete_palette=False)
+    # the light of the defaults' colors is not that of the samples to come
+    to_come = Layer("samples", {"colors": {"samples": {}}})
+    settings = settings_from_layers([layers[0], to_come, *layers[1:]], complete_palette=False)
     target = _layer_to_edit(venue, config, layers)
     _check_not_by_ranges(name, target)
     if save and target is None:

@@ -28,6 +28,7 @@ from tests.app.fake_picture import FakePicture, Pose
 from tests.app.fake_tasks import (
     SPARES,
     Condition,
+    adapted,
     clients_of,
     findings,
     lags_of,
@@ -37,6 +38,7 @@ from tests.app.fake_tasks import (
     timing_of,
 )
 from vision_core.clock import Instant, MonotonicClock, after
+from vision_core.color.light import start_light
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import robots_of
 from vision_core.pipeline.view_encoder import ViewEncoder
@@ -178,6 +180,9 @@ class FakeService:
             self.put(records.overlay(CAMERA), self._overlays.drawn(look.value, sightings, pixels), grabbed)
         self.put(records.obstacles(CAMERA), self._obstacles(grabbed), grabbed)
         self.put(records.diagnosis(CAMERA), Diagnosis(CAMERA, self._frames, grabbed, self.scene.reasons), grabbed)
+        live = records.LIVE_SETTINGS.over_reader(self._live).read(self.clock.now())
+        held = live is not None and not live.value.adapt
+        self.put(records.palette(CAMERA), adapted(grabbed, start_light(self.settings.colors.light), held=held), grabbed)
         for item, finding in findings(CAMERA, self._frames, grabbed):
             self.put(item, finding, grabbed)
         world = self._world(poses, ball, grabbed)

@@ -29,7 +29,9 @@ from vision_core.rtdb.task import Task
 from vision_core.scheduling.executive import with_override
 from vision_core.settings.schema import MirrorConstants
 from vision_core.timing.histogram import Histograms
+from vision_core.types.colors import Light
 from vision_core.types.objects import Team
+from vision_core.types.palette import ColorChange, LivePalette, PaintShift
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 
 RESPONSES_MS = {"capture": 0.08, "perceive": 1.9, "serve": 1.1, "source": 9.0, "obstacles": 8.0, "lines": 6.0}
@@ -157,6 +159,23 @@ def findings(camera: str, number: int, grabbed: Instant) -> list[tuple[Item[Any]
         (records.colors, ColorDrift((1.02, 1.0, 0.97), "")),
     )
     return [(item(camera), Finding(camera, number, grabbed, value)) for item, value in found]
+
+
+def adapted(now: Instant, set_up: Light, *, held: bool) -> LivePalette:
+    """Light and colors that have followed a warmer light, or are held as they were set up."""
+    warmer = Light(set_up.black_bgr, (1.42, 1.05, 0.8))
+    changes = (
+        ColorChange(after(now, -95.0), "light", warmer),
+        ColorChange(after(now, -94.0), "learned", warmer, 10, 9),
+    )
+    paints = (
+        PaintShift("blue", (0.52, -0.6), (0.4, -0.31), 5),
+        PaintShift("yellow", (-1.1, 0.02), (-0.9, 0.1), 5),
+        PaintShift("pink", (0.2, 0.5), (0.3, 0.62), 0),
+    )
+    if held:
+        return LivePalette((*changes, ColorChange(now, "held", set_up)), set_up, True, (), b"", (), ())
+    return LivePalette(changes, warmer, False, paints, b"", (), ())
 
 
 def _drawn(names: tuple[str, ...], middles_ms: dict[str, float]) -> bytes:

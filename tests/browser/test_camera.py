@@ -111,6 +111,26 @@ def test_keys_wheel_and_buttons_zoom(context: BrowserContext, address: str) -> N
     expect(fit).to_have_text("100 %")
 
 
+def test_adapted_colors_go_back_to_the_start_and_this_is_undone(
+    context: BrowserContext, address: str, service: FakeService
+) -> None:
+    page = context.new_page()
+    page.goto(f"http://{address}{link_of(service.people)}")
+    page.get_by_role("link", name="Camera").click()
+    panel = page.get_by_role("region", name="Light and colors since the set-up")
+    expect(panel.get_by_role("status")).to_have_text(
+        "Adapted to another light: other gains and a palette that was learned."
+    )
+    expect(panel).to_contain_text("0.06 to 16 at most")
+    expect(panel.get_by_role("list", name="Last changes")).to_contain_text("9 of 10 robots read")
+    assert faults(page) == []
+    panel.get_by_role("button", name="Back to the start").click()
+    expect(panel.get_by_role("status")).to_contain_text("Held as set up")
+    expect(panel.get_by_role("button", name="Adapt again")).to_be_visible()
+    page.get_by_role("button", name="Undo").click()
+    expect(panel.get_by_role("status")).to_contain_text("Adapted to another light")
+
+
 def test_a_mask_is_drawn_saved_and_undone(context: BrowserContext, address: str, service: FakeService) -> None:
     page = context.new_page()
     page.goto(f"http://{address}{link_of(service.people)}")

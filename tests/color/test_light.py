@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.color.light import (
+    NO_GAINS,
     SAMPLES_PER_SIDE,
     Lighting,
     Relighter,
@@ -20,6 +21,7 @@ from vision_core.color.light import (
     settled,
     sums_by_level,
 )
+from vision_core.color.settling import SettlingLight
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import LightSettings
@@ -40,6 +42,10 @@ ADAPT = LightSettings(
     reference_bgr=(70.0, 120.0, 60.0),
     white_balance=True,
     margin_m=0.0,
+    gain_bgr=NO_GAINS,
+    dead_band=0.1,
+    max_gain=8.0,
+    max_shift=1.5,
 )
 
 
@@ -129,7 +135,23 @@ def test_relit_is_the_formula(gain: tuple[float, float, float], black: tuple[flo
 def test_the_venues_own_light_costs_nothing() -> None:
     pixels = scene()
     assert Relighter(*SIZE).relit(pixels, Light((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))) is pixels
-    assert lighting(msgspec.structs.replace(ADAPT, adapt=False)).lit(pixels, Instant(0)) is pixels
+    plain = msgspec.structs.replace(ADAPT, black_bgr=(0.0, 0.0, 0.0))
+    assert lighting(msgspec.structs.replace(plain, adapt=False)).lit(pixels, Instant(0)) is pixels
+    near = msgspec.structs.replace(plain, reference_bgr=(87.0, 129.0, 77.0))  # over black, and a little off
+    assert lighting(near).lit(pixels, Instant(0)) is pixels
+    assert lighting(msgspec.structs.replace(near, dead_band=0.0)).lit(pixels, Instant(0)) is not pixels
+
+
+def test_without_a_reference_pictures_stay_in_the_light_of_the_set_up() -> None:
+    alone = msgspec.structs.replace(ADAPT, reference_bgr=None, gain_bgr=(2.0, 2.0, 2.0))
+    assert light_of(scene((3.0, 3.0, 3.0)), SAMPLES, alone) == Light(alone.black_bgr, alone.gain_bgr)
+
+
+def test_a_light_beyond_the_bounds_is_reported_and_not_followed() -> None:
+    bounded = msgspec.structs.replace(ADAPT, max_gain=2.0)
+    light = light_of(scene((3.0, 3.0, 3.0)), SAMPLES, bounded)
+    assert light.gain_bgr == NO_GAINS
+    assert "accepts 0.5 to 2" in str(light.reason)
 
 
 def test_a_dim_picture_looks_as_in_the_venues_light() -> None:
@@ -151,16 +173,36 @@ def test_light_is_judged_once_a_second_and_for_every_still() -> None:
 
 
 def test_a_flicker_moves_nothing_and_a_covered_lens_keeps_the_last_gains() -> None:
-    black = (0.0, 0.0, 0.0)
+    black = ADAPT.black_bgr
     last = Light(black, (2.0, 2.0, 2.0))
-    assert settled(last, Light(black, (2.02, 2.0, 1.99)), fresh=False) is last
+    assert settled(last, Light(black, (2.02, 2.0, 1.99)), ADAPT) is last
     moved = Light(black, (2.2, 2.0, 2.0))
-    assert settled(last, moved, fresh=False) is moved
-    covered = Light(black, (1.0, 1.0, 1.0), Reason("light: too dark", "Switch on lamps."))
-    assert settled(last, covered, fresh=False) == Light(
-        black, (2.0, 2.0, 2.0), Reason("light: too dark", "Switch on lamps.")
-    )
-    assert settled(last, covered, fresh=True) is covered
+    assert settled(last, moved, ADAPT) is moved
+    dark = Reason("light: too dark", "Switch on lamps.")
+    covered = settled(last, Light(black, NO_GAINS, dark), ADAPT)
+    assert covered == Light(black, (2.0, 2.0, 2.0), dark)
+    assert settled(covered, last, ADAPT) == last
+    assert settled(last, Light(black, (1.05, 1.0, 0.95)), ADAPT) == Light(black, NO_GAINS)
+
+
+def test_a_light_is_followed_when_two_looks_agree() -> None:
+    colors = msgspec.structs.replace(SETTINGS.colors, light=ADAPT)
+    eyes = SettlingLight(msgspec.structs.replace(SETTINGS, colors=colors), SETUP)
+    own, dim, dimmer = scene(), scene((2.0, 2.0, 2.0)), scene((3.0, 3.0, 3.0))
+    assert eyes.look(own)
+    start = eyes.light
+    assert [eyes.look(pixels) for pixels in (dim, dimmer, dim)] == [False] * 3
+    assert eyes.light is start
+    assert eyes.look(dim)
+    assert eyes.light.gain_bgr == pytest.approx((2.0, 2.0, 2.0), rel=0.03)
+    eyes.look(np.zeros_like(own))
+    eyes.look(np.zeros_like(own))
+    assert eyes.light.reason is not None
+    assert eyes.light.gain_bgr == pytest.approx((2.0, 2.0, 2.0), rel=0.03)
+    eyes.reset()
+    assert eyes.light == start
+    assert eyes.look(dim)  # a service that starts in another light does not wait
+    assert eyes.light.gain_bgr != start.gain_bgr
 
 
 def test_each_kernel_is_compiled_once() -> None:

@@ -19,7 +19,7 @@ from vision_core.venues.loader import load_settings
 
 pytestmark = pytest.mark.slow
 
-SETTINGS = load_settings()
+SETTINGS = load_settings(options={"colors.light.adapt": False})  # noise has no light to be measured
 CAMERA = CameraSetup.from_settings(SETTINGS)
 BLUE_BGR = (200, 70, 20)
 

@@ -10,6 +10,7 @@ import pytest
 from tests.objects.drawing import CODES, PAINTS, SETTINGS, Picture, turn_between
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import Instant, ManualClock
+from vision_core.color.light import NEUTRAL_LIGHT
 from vision_core.errors import SettingsError
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
@@ -28,6 +29,7 @@ CORNER = (420, 40)
 def perception() -> Perception:
     perception = Perception(SETTINGS, CAMERA)
     perception.warm_up()
+    perception.lighting.hold(NEUTRAL_LIGHT)  # what is drawn here is no field whose light could be measured
     return perception
 
 
@@ -77,6 +79,7 @@ def test_an_empty_field_shows_nothing(perception: Perception) -> None:
 def test_overflow_is_reported() -> None:
     blobs = msgspec.structs.replace(SETTINGS.blobs, max_runs=100)
     perception = Perception(msgspec.structs.replace(SETTINGS, blobs=blobs), CAMERA)
+    perception.lighting.hold(NEUTRAL_LIGHT)
     size = CAMERA.shape
     flood = np.full(size, PAINTS["orange"], dtype=np.uint8)
     assert not perception.perceive(ImageFrame("main", 1, Instant(0), flood), ManualClock()).record().complete

@@ -25,6 +25,8 @@ from vision_core.venues.loader import load_settings
         ("matches.blue", False),
         ("server.port", False),
         ("field.length_m", False),
+        ("colors.light.adapt", True),
+        ("colors.light.dead_band", False),
         ("", False),
     ],
 )
@@ -33,7 +35,7 @@ def test_live_keys(key: str, live: bool) -> None:
 
 
 def test_the_record_has_every_live_section() -> None:
-    fields = set(LiveSettings.__slots__) - {"revision", "tasks", "ended"}
+    fields = set(LiveSettings.__slots__) - {"revision", "tasks", "ended", "adapt"}
     assert fields == set(LIVE) <= set(Settings.__struct_fields__)
 
 

@@ -328,6 +328,37 @@ def test_samples_replace_the_ranges_of_files_below(tmp_path: Path) -> None:
     assert settings.colors.samples == {}
 
 
+@pytest.mark.parametrize(
+    ("kind", "text", "kept"),
+    [
+        (LayerKind.VENUE, "[synthetic]\nseed = 2\n", False),
+        (LayerKind.CONFIG, "[synthetic]\nseed = 2\n", True),
+        (LayerKind.CONFIG, '[colors.samples]\norange = ["#e06a2c"]\n', False),
+        (LayerKind.CONFIG, '[source]\nuri = "camera:0"\n', False),
+        (LayerKind.CONFIG, '[source]\nuri = "synthetic"\n', True),
+    ],
+)
+def test_the_reference_of_the_light_belongs_to_the_colors(
+    tmp_path: Path, kind: LayerKind, text: str, kept: bool
+) -> None:
+    own = tmp_path / "own.toml"
+    own.write_text(text)
+    name = "venue" if kind is LayerKind.VENUE else "config"
+
+    def reference() -> tuple[float, float, float] | None:
+        settings = load_settings(**{name: str(own) if name == "venue" else own})  # type: ignore[arg-type]
+        return settings.colors.light.reference_bgr
+
+    assert (reference() is not None) is kept
+    own.write_text(f"{text}[colors.light]\nreference_bgr = [1.0, 2.0, 3.0]\n")
+    assert reference() == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("path", sorted((config_folder() / "venues").glob("*.toml")), ids=lambda path: path.stem)
+def test_every_shipped_venue_has_a_reference_of_its_light(path: Path) -> None:
+    assert load_settings(venue=path.stem).colors.light.reference_bgr is not None
+
+
 def test_a_missing_file_is_named() -> None:
     with pytest.raises(SettingsError, match="nowhere.toml; found: No such file"):
         load_settings("nowhere.toml")

@@ -7,7 +7,7 @@ from vision_core.clock import Clock, Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import SYNTHETIC, Settings
 from vision_core.timing.rate_keeper import Keeper
 
 ACCEPTED = "synthetic, file:<picture, folder or video>, camera:<number or path of the device>"
@@ -68,7 +68,7 @@ def open_played(settings: Settings, camera: CameraSetup, clock: Clock, *, paced:
     uri = settings.source.uri
     kind, _, rest = uri.partition(":")
     # each kind imports its own libraries: a camera needs no compiler, a simulation no codecs
-    if uri == "synthetic":
+    if uri == SYNTHETIC:
         from vision_core.capture.synthetic.camera import SyntheticCamera
 
         return SyntheticCamera(settings, camera, clock, paced=paced)

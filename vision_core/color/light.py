@@ -32,7 +32,6 @@ MIN_SAMPLES = 256
 """Samples that must lie in the picture to measure the light."""
 MIN_SIGNAL = 4.0
 """Grey levels above black that are needed: below, rounding alone moves a gain by more than an eighth."""
-MAX_GAIN = 32.0
 SATURATED = 254
 """From this level on a channel is saturated: it may be any amount brighter."""
 MAX_SATURATED = 0.25
@@ -43,9 +42,10 @@ FIXED_BITS = 8
 FIXED_ONE = 1 << FIXED_BITS
 """1 in the fixed-point numbers of ``relight``."""
 MEASURE_EVERY_NS = NS_PER_S
-MIN_GAIN_CHANGE = 0.03
+MIN_GAIN_CHANGE = 0.05
 """Smaller changes of a gain's logarithm are ignored: lamps flicker by so much, and no color class is so narrow."""
-NEUTRAL_LIGHT = Light((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+NO_GAINS: Levels = (1.0, 1.0, 1.0)
+NEUTRAL_LIGHT = Light((0.0, 0.0, 0.0), NO_GAINS)
 """Leaves pictures as they are."""
 
 
@@ -83,29 +83,33 @@ def reference_of(pixels: Bytes, samples: PixelPlaces, band: Sequence[float]) -> 
 
 
 def light_of(pixels: Bytes, samples: PixelPlaces, settings: LightSettings) -> Light:
-    """The light of a picture. Where it cannot be measured the gains are 1 and the reason says why.
+    """The light of a picture: that of the set-up when there is no reference.
 
-    pixels: shape (height, width, 3), blue green red; samples: of ``field_samples``.
+    Where it cannot be measured the gains are those of the set-up and the reason says why. pixels: shape (height, width,
+    3), blue green red; samples: of ``field_samples``.
     """
-    black = settings.black_bgr
+    black, start = settings.black_bgr, start_light(settings)
+    if settings.reference_bgr is None:
+        return start
     if len(samples) < MIN_SAMPLES:
         few = f"only {len(samples)} of {SAMPLES_PER_SIDE**2} samples of the field lie in the picture"
-        return _unknown(black, few, "Correct the camera's position or the field's measures.")
+        return _unknown(start, few, "Correct the camera's position or the field's measures.")
     found, saturated = reference_of(pixels, samples, settings.band)
     signal = [level - dark for level, dark in zip(found, black, strict=True)]
     if saturated > MAX_SATURATED:
         bright = f"over-exposed: {saturated:.0%} of the samples of the field are saturated"
-        return _unknown(black, bright, "Close the lens, or lower the camera's exposure or gain.")
+        return _unknown(start, bright, "Close the lens, or lower the camera's exposure or gain.")
     if min(signal) < MIN_SIGNAL:
         dark = f"too dark: the samples of the field are {min(signal):.1f} grey levels above black"
-        return _unknown(black, dark, "Switch on more lamps, open the lens, or let the camera expose longer.")
+        return _unknown(start, dark, "Switch on more lamps, open the lens, or let the camera expose longer.")
     blue, green, red = (wanted / level for wanted, level in zip(settings.reference_bgr, signal, strict=True))
     if not settings.white_balance:
         blue = green = red = (blue * green * red) ** (1.0 / 3.0)
-    if not 1.0 / MAX_GAIN <= min(blue, green, red) <= max(blue, green, red) <= MAX_GAIN:
+    limit = settings.max_gain
+    if not 1.0 / limit <= min(blue, green, red) <= max(blue, green, red) <= limit:
         gains = f"{blue:.2f} {green:.2f} {red:.2f}"
-        needed = f"it needs the gains {gains} (accepted: {1.0 / MAX_GAIN:g} to {MAX_GAIN:g})"
-        return _unknown(black, needed, "Measure colors.light again with `pslv colors light`.")
+        needed = f"it needs the gains {gains} (colors.light.max_gain accepts {1.0 / limit:g} to {limit:g})"
+        return _unknown(start, needed, "Measure colors.light again with `pslv colors light`.")
     return Light(black, (blue, green, red))
 
 
@@ -149,15 +153,20 @@ class Lighting:
         self._samples = field_samples(camera.model, settings.field, camera.size_px, self._settings.margin_m)
         self._relighter = Relighter(*camera.size_px)
         self._measured: Instant | None = None
-        self.light = NEUTRAL_LIGHT
+        self._held = False
+        self.light = start_light(self._settings)
         """Of the last picture."""
 
     def warm_up(self) -> None:
         """Load or compile the kernels, and forget what was measured."""
         dark = np.zeros(self._relighter.shape, dtype=np.uint8)
         light_of(dark, self._samples, self._settings)
-        self._relighter.relit(dark, Light((1.0, 1.0, 1.0), (1.0, 1.0, 1.0)))
-        self._measured, self.light = None, NEUTRAL_LIGHT
+        self._relighter.relit(dark, Light((1.0, 1.0, 1.0), NO_GAINS))
+        self._measured, self.light = None, start_light(self._settings)
+
+    def hold(self, light: Light) -> None:
+        """Convert the next pictures from a light that somebody else measures: the task ``follow`` of the service."""
+        self._held, self.light = True, light
 
     def lit(self, pixels: Bytes, at: Instant) -> Bytes:
         """A picture in the venue's light, shape (height, width, 3). The next call overwrites it.
@@ -165,27 +174,41 @@ class Lighting:
         The light is measured once in MEASURE_EVERY_NS, and at once when a picture is not later than the last one: then
         it does not belong to the same sequence.
         """
-        if not self._settings.adapt:
-            return pixels
-        if self._measured is None or at <= self._measured or at - self._measured >= MEASURE_EVERY_NS:
+        is_due = self._measured is None or not 0 < at - self._measured < MEASURE_EVERY_NS
+        if self._settings.adapt and is_due and not self._held:
             fresh = self._measured is None or at <= self._measured
             self._measured = at
-            self.light = settled(self.light, light_of(pixels, self._samples, self._settings), fresh=fresh)
+            last = start_light(self._settings) if fresh else self.light
+            self.light = settled(last, self.measure(pixels), self._settings)
         return self._relighter.relit(pixels, self.light)
 
+    def measure(self, pixels: Bytes) -> Light:
+        """The light of a picture, shape (height, width, 3), as ``light_of``."""
+        return light_of(pixels, self._samples, self._settings)
 
-def settled(last: Light, now: Light, *, fresh: bool) -> Light:
-    """The light to use: the new one when it clearly differs from the last, or when the picture starts a sequence."""
-    if fresh:
-        return now
+
+def start_light(settings: LightSettings) -> Light:
+    """The light of the set-up, as its own pictures are converted."""
+    return Light(settings.black_bgr, settings.gain_bgr)
+
+
+def settled(last: Light, now: Light, settings: LightSettings) -> Light:
+    """The light to use after the last one: a new one that clearly differs, that of the set-up when it is near that."""
     if now.reason:
         return replace(last, reason=now.reason)
-    moved = max(abs(math.log(new / old)) for new, old in zip(now.gain_bgr, last.gain_bgr, strict=True))
-    return now if last.reason or moved > MIN_GAIN_CHANGE else last
+    if gain_distance(now, last) <= MIN_GAIN_CHANGE:
+        return last if last.reason is None else replace(last, reason=None)
+    start = start_light(settings)
+    return start if gain_distance(now, start) <= settings.dead_band else now
 
 
-def _unknown(black: Levels, why: str, advice: str) -> Light:
-    return Light(black, (1.0, 1.0, 1.0), Reason(f"light: {why}", advice))
+def gain_distance(one: Light, other: Light) -> float:
+    """The largest difference of two lights' gains, as a logarithm."""
+    return max(abs(math.log(new / old)) for new, old in zip(one.gain_bgr, other.gain_bgr, strict=True))
+
+
+def _unknown(start: Light, why: str, advice: str) -> Light:
+    return replace(start, reason=Reason(f"light: {why}", advice))
 
 
 @kernel

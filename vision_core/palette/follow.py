@@ -1,6 +1,8 @@
-"""A palette kept right while the light changes.
+"""Colors kept right while the light changes.
 
-Every look judges the palette in force on the newest picture. Where less is read than usual, the palette is learned anew
+First the light: its gains are measured on the field, often, since that is cheap, and taken out of the pictures once
+they have settled (``color.settling``). What is left of the change the palette follows: every look judges the palette in
+force on the newest picture. Where less is read than usual, the palette is learned anew
 from the robots that still are; when that does not help, it is found from nothing. A change is made only when more
 robots are read with it and the picture is explained clearly better. What counts there is the shape of the markers,
 which no color can feign: so a hand over the field or an empty field changes nothing. The palette of the settings comes
@@ -9,12 +11,15 @@ back as soon as it explains the picture as well.
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from vision_core.color.settling import SettlingLight
 from vision_core.geometry import Bytes
 from vision_core.palette.find import Progress, find_palette, no_progress, refined
 from vision_core.palette.reading import Palette, judged_again, palette_of_settings
 from vision_core.palette.trial import Picture, Trial
 from vision_core.settings.schema import Settings
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import ColorTable, Light
 
 BETTER = 0.4
 """A palette must read more robots than the one in force, and score so much more: a fifth of one that is read."""
@@ -29,6 +34,10 @@ DROP = 0.85
 PATIENCE = 4
 """Looks to wait after an attempt that did not help; twice as many after the next one, up to MAX_PATIENCE."""
 MAX_PATIENCE = 64
+JUDGE_EVERY = 4
+"""The palette is judged once in so many pictures whose light is measured, and when another light has settled."""
+WAIT_FOR_LIGHT = 16
+"""While the light does not settle the palette is judged once in so many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +56,8 @@ class Follower:
     def __init__(self, settings: Settings, table: ColorTable, progress: Progress = no_progress) -> None:
         """table: of the settings' colors; progress: is called while a palette is found."""
         self.trial = Trial(settings, settings.colors.light)
+        self._max_shift = settings.colors.light.max_shift
+        self._settling = SettlingLight(settings, self.trial.camera)
         self._start = palette_of_settings(self.trial, table)
         self._progress = progress
         self.reset()
@@ -56,17 +67,37 @@ class Follower:
         dark = self.trial.camera.black_image()
         picture = self.trial.prepared(dark)
         self.trial.shapes(picture, self.trial.kinds[0])
+        self.watch(dark)
         self.look(dark)
         self.reset()
 
     def reset(self) -> None:
-        """Go back to the palette of the settings."""
+        """Go back to the light and the palette of the settings."""
+        self._settling.reset()
+        self._watched = JUDGE_EVERY
+        self.is_due = True
+        """Is it time for a look?"""
         self._palette: Palette | None = None
         self._usual, self._last, self._wait, self._patience = 0.0, 0.0, 0, PATIENCE
 
+    @property
+    def light(self) -> Light:
+        """In force."""
+        return self._settling.light
+
+    def watch(self, pixels: Bytes) -> bool:
+        """Measure the light of the newest picture, shape (height, width, 3); True when another one is in force now."""
+        before = self.light
+        is_settled = self._settling.look(pixels)
+        self._watched += 1
+        has_moved = self.light.gain_bgr != before.gain_bgr
+        self.is_due = has_moved or self._watched >= (JUDGE_EVERY if is_settled else WAIT_FOR_LIGHT)
+        return self.light != before
+
     def look(self, pixels: Bytes) -> Look:
-        """Look at a picture, shape (height, width, 3)."""
-        picture = self.trial.prepared(pixels)
+        """Judge the palette on a picture in the light in force, shape (height, width, 3), and change it if need be."""
+        self._watched, self.is_due = 0, False
+        picture = self.trial.prepared(pixels, self.light)
         start = judged_again(self.trial, [picture], self._start)
         now = start if self._palette is None else judged_again(self.trial, [picture], self._palette)
         self._usual = max(now.score, self._usual * (1.0 - FORGET))
@@ -87,10 +118,10 @@ class Follower:
     def _improved(self, picture: Picture, now: Palette) -> Look:
         """A better palette, if there is one."""
         learned = refined(self.trial, [picture], now)
-        best, what = (learned, "learned") if _is_better(learned, now) else (now, "kept")
+        best, what = (learned, "learned") if self._is_better(learned, now) else (now, "kept")
         if best.score < USUAL_SHARE * self._usual:
             found = find_palette(self.trial, [picture], self._progress)
-            if _is_better(found, best):
+            if self._is_better(found, best):
                 best, what = found, "found"
         if what == "kept":
             self._wait, self._patience = self._patience, min(2 * self._patience, MAX_PATIENCE)
@@ -98,6 +129,8 @@ class Follower:
         self._palette, self._last = best, best.score
         return Look(best, what)
 
-
-def _is_better(one: Palette, other: Palette) -> bool:
-    return one.read > other.read and one.score > other.score + BETTER
+    def _is_better(self, one: Palette, other: Palette) -> bool:
+        """Does a palette explain the picture clearly better, with no paint that was seen too far from the set-up?"""
+        moved = np.abs(one.table.references.means - self._start.table.references.means)[1:]
+        is_near = bool((moved[one.counts > 0] <= self._max_shift).all())
+        return is_near and one.read > other.read and one.score > other.score + BETTER

@@ -1,5 +1,6 @@
 """The light in which a venue's colors are kept: that of a picture, brightened so that colors are told apart well."""
 
+import msgspec
 import numpy as np
 
 from vision_core.color.light import field_samples, reference_of
@@ -29,11 +30,12 @@ def light_from(pixels: Bytes, settings: Settings) -> LightSettings:
     signals = [np.array(reference_of(pixels, places, band)[0]) - black for band in BANDS]
     number = 0 if signals[0].min() >= MIN_SIGNAL else 1
     blue, green, red = np.clip(signals[number] * gain, 0.5, 255.0).tolist()
-    return LightSettings(
-        adapt=True,
+    return msgspec.structs.replace(
+        settings.colors.light,
         black_bgr=(float(black[0]), float(black[1]), float(black[2])),
         band=BANDS[number],
         reference_bgr=(blue, green, red),
         white_balance=True,
         margin_m=0.0,
+        gain_bgr=(gain, gain, gain),
     )

@@ -18,6 +18,7 @@ class LiveColors:
         self._perception, self._palettes = perception, palettes
         self._own = perception.table
         self._used = 0
+        perception.lighting.hold(perception.lighting.light)
 
     def refresh(self, now: Instant) -> None:
         """See the next image with the colors in force."""
@@ -28,6 +29,7 @@ class LiveColors:
             self._use(palette.value)
 
     def _use(self, palette: LivePalette) -> None:
+        self._perception.lighting.hold(palette.light)
         if not palette.classes:
             self._perception.recolor(self._own)
             return

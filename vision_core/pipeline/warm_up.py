@@ -23,7 +23,7 @@ from vision_core.pipeline.overlay import OverlayMaker
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.scheduling.attachment import end_with
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import SYNTHETIC, Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import BallSighting, RobotSighting, Sightings, Team
@@ -69,7 +69,7 @@ def encode(settings: Settings, world: WorldTable) -> None:
 
 def camera(settings: Settings) -> None:
     """Make a simulated picture, if the settings ask for a simulated camera."""
-    if settings.source.uri != "synthetic":
+    if settings.source.uri != SYNTHETIC:
         return
     setup = CameraSetup.from_settings(settings)
     source = open_source(settings, setup, ManualClock(), paced=False)

@@ -260,13 +260,15 @@ class LiveSettings:
     tracks: TrackSettings
     views: ViewSettings
     admission: AdmissionSettings
+    adapt: bool
+    """colors.light.adapt; False: the colors of the set-up are held."""
     ended: tuple[EndedSession, ...] = ()
 
     @staticmethod
     def of(settings: Settings, revision: int = 0, tasks: Mapping[str, TaskOverride] | None = None) -> "LiveSettings":
         """The live part of settings."""
         live = {name: getattr(settings, name) for name in LIVE}
-        return LiveSettings(revision, dict(tasks or {}), **live)
+        return LiveSettings(revision, dict(tasks or {}), **live, adapt=settings.colors.light.adapt)
 
     def over(self, settings: Settings) -> Settings:
         """Settings in which the live part is this one; the times of tasks are the executive's affair."""

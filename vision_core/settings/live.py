@@ -2,6 +2,8 @@
 
 LIVE = ("match", "mirror", "tracks", "views", "admission")
 """Sections of which every setting is live."""
+LIVE_KEYS = ("colors.light.adapt",)
+"""Single live settings of other sections."""
 LIVE_OF_TASKS = ("enabled", "period_ms", "priority")
 """Settings of each task that are live."""
 
@@ -11,4 +13,4 @@ def is_live(key: str) -> bool:
     section, *rest = key.split(".")
     if section == "tasks":
         return len(rest) == 2 and rest[1] in LIVE_OF_TASKS
-    return section in LIVE
+    return section in LIVE or key in LIVE_KEYS

@@ -19,6 +19,7 @@ Positive = Annotated[float, Meta(gt=0.0, le=1e6)]
 NotNegative = Annotated[float, Meta(ge=0.0, le=1e6)]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 Degrees = Annotated[float, Meta(ge=-360.0, le=720.0)]
+Gain = Annotated[float, Meta(gt=0.0, le=64.0)]
 Level = Annotated[float, Meta(ge=0.0, le=255.0)]
 HexColor = Annotated[str, Meta(pattern="^#[0-9a-fA-F]{6}$", description="#rrggbb")]
 HostName = Annotated[str, Meta(min_length=1, max_length=253)]
@@ -39,6 +40,10 @@ class ServerSettings(Record, frozen=True):
         Literal["open", "closed"], Meta(description="open: anybody may look at the page; closed: who has logged in")
     ]
     hosts: Annotated[tuple[HostName, ...], Meta(description="further names under which the page may be asked for")]
+
+
+SYNTHETIC = "synthetic"
+"""``source.uri`` of the simulated camera."""
 
 
 class SourceSettings(Record, frozen=True):
@@ -180,20 +185,30 @@ class ColorRange(Record, frozen=True):
 
 
 class LightSettings(Record, frozen=True):
-    """The light of the color tuning, and how a picture is adapted to it: (pixel - black) * gain."""
+    """The light of the color tuning, and how pictures are adapted to it: (pixel - black) * gain."""
 
-    adapt: Annotated[bool, Meta(description="measure the light and adapt every picture to the venue's")]
+    adapt: Annotated[bool, Meta(description="false: pictures and colors stay as they were set up")]
     black_bgr: Annotated[tuple[Level, Level, Level], Meta(description="the sensor's level in the dark")]
     band: Annotated[
         tuple[Share, Share], Meta(description="samples that are averaged: quantiles from the darkest to the brightest")
-    ]
-    reference_bgr: Annotated[
-        tuple[Level, Level, Level], Meta(description="mean color of these samples over black, in the venue's light")
     ]
     white_balance: Annotated[bool, Meta(description="a gain of its own for every channel; otherwise one for all three")]
     margin_m: Annotated[
         float, Meta(ge=-1.0, le=1.0, description="samples are taken up to this far outside the walls or limits")
     ]
+    gain_bgr: Annotated[tuple[Gain, Gain, Gain], Meta(description="gains of the pictures of the set-up themselves")]
+    dead_band: Annotated[
+        float, Meta(ge=0.0, le=0.5, description="logarithm up to which gains stay those of the set-up")
+    ]
+    max_gain: Annotated[float, Meta(ge=1.0, le=64.0, description="the largest gain; the smallest is its inverse")]
+    max_shift: Annotated[
+        float,
+        Meta(gt=0.0, le=4.0, description="how far log B/G and log R/G of a paint may get from where they were set up"),
+    ]
+    reference_bgr: Annotated[
+        tuple[Level, Level, Level] | None,
+        Meta(description="mean color of these samples over black, in the venue's light; left out: not measured"),
+    ] = None
 
 
 class SamplingSettings(Record, frozen=True):

@@ -180,7 +180,7 @@ def _colors(draft: Draft) -> str:
         ]
     elif draft.camera is not None:
         lines += ["", _line("[colors.light]", "other light than that of the samples is judged by the carpet")]
-        lines += _values({"adapt": True, "reference_bgr": draft.camera.reference_bgr})
+        lines += _values({"reference_bgr": draft.camera.reference_bgr})
     return "\n".join(lines)
 
 

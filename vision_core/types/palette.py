@@ -1,23 +1,27 @@
-"""The palette in force when it follows the light."""
+"""The colors in force when they follow the light."""
 
 from dataclasses import dataclass
 
 from vision_core.clock import Instant
+from vision_core.types.colors import Light
 
 MAX_CHANGES = 50
 """The last so many are kept."""
 
 
 @dataclass(frozen=True, slots=True)
-class PaletteChange:
-    """When the palette was changed, and how."""
+class ColorChange:
+    """When the light or the palette was changed, and how."""
 
     at: Instant
     what: str
-    """"learned" from the robots that are read, "found" from nothing, or "start": back to the settings' colors."""
-    robots: int
-    """Seen by it in the picture that led to it."""
-    read: int
+    """"light": other gains; "learned" from the robots that are read, "found" from nothing, or "start": the settings'
+    palette again; "held": back to the set-up, until it is "resumed"."""
+    light: Light
+    """In force from then on."""
+    robots: int = 0
+    """Seen with a new palette in the picture that led to it."""
+    read: int = 0
     """Of these, read."""
 
 
@@ -34,9 +38,13 @@ class PaintShift:
 
 @dataclass(frozen=True, slots=True)
 class LivePalette:
-    """What the task ``perceive`` sees with."""
+    """What the task ``perceive`` sees with: light and palette fit together."""
 
-    changes: tuple[PaletteChange, ...]
+    changes: tuple[ColorChange, ...]
+    """The last ones, oldest first."""
+    light: Light
+    held: bool
+    """The colors of the set-up are held: nothing is adapted."""
     paints: tuple[PaintShift, ...]
     """Empty while the settings' colors are in force."""
     classes: bytes

@@ -40,6 +40,7 @@ from vision_core.venues.tables import (
     place,
     place_of,
     with_one_palette,
+    with_own_light,
 )
 from vision_core.venues.toml_lines import line_of
 
@@ -182,6 +183,7 @@ def settings_from_layers(layers: Sequence[Layer], *, complete_palette: bool = Tr
     whole: Table = {}
     for layer in layers:
         whole = with_one_palette(merged(whole, layer.table), layer.table)
+    whole = with_own_light(whole, layers)
     for keys, number in numbers(whole, []):
         if not math.isfinite(number):
             raise SettingsError(f"{place(keys, layers)}: {'.'.join(keys)}", found=str(number), accepted="a number")

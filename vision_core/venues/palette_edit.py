@@ -50,14 +50,17 @@ def save_samples(path: Path, text: str, samples: Mapping[str, Sequence[str]], na
 def color_tables(colors: ColorSettings) -> str:
     """Colors that were found in pictures as tables of a venue's file: light, samples, and no class by ranges."""
     light, sampling = colors.light, colors.sampling
-    levels = [", ".join(f"{level:.1f}" for level in row) for row in (light.black_bgr, light.reference_bgr)]
+    wanted = (light.black_bgr, light.reference_bgr or (), light.gain_bgr)
+    black, reference, gains = (
+        ", ".join(f"{level:.{digits}f}" for level in row) for row, digits in zip(wanted, (1, 1, 3), strict=True)
+    )
     return "\n".join(
         [
             "[colors.light]                     # the light that the samples were measured in",
-            f"adapt = {'true' if light.adapt else 'false'}",
-            f"black_bgr = [{levels[0]}]",
+            f"black_bgr = [{black}]",
             f"band = [{light.band[0]:g}, {light.band[1]:g}]",
-            f"reference_bgr = [{levels[1]}]",
+            f"reference_bgr = [{reference}]",
+            f"gain_bgr = [{gains}]",
             f"white_balance = {'true' if light.white_balance else 'false'}",
             f"margin_m = {light.margin_m:.3f}",
             "",

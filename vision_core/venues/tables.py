@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from vision_core.errors import SettingsError
-from vision_core.settings.layers import Layer, Table
+from vision_core.settings.layers import Layer, LayerKind, Table
+from vision_core.settings.schema import SYNTHETIC
 from vision_core.venues.toml_lines import line_of
 
 REPLACED = frozenset({"colors.classes", "colors.samples"})
@@ -49,6 +50,30 @@ def with_one_palette(whole: Table, above: Table) -> Table:
         if isinstance(named, dict) and isinstance(old, dict) and other not in new:
             colors[other] = {name: value for name, value in old.items() if name not in named}
     return {**whole, "colors": colors}
+
+
+def with_own_light(whole: Table, layers: Sequence[Layer]) -> Table:
+    """Merged tables of layers without a reference of the light that belongs to other pictures or colors.
+
+    The reference of the defaults is that of the simulated camera's carpet, in the light of the defaults' colors. It
+    does not hold for a venue, another source or other colors: these have a reference of their own, or none.
+    """
+    at = ["colors", "light", "reference_bgr"]
+    upper = [layer for layer in layers if layer.kind is not LayerKind.DEFAULT]
+    if any(lookup(layer.table, at)[0] for layer in upper) or not any(_shows_other_colors(layer) for layer in upper):
+        return whole
+    found, light = lookup(whole, at[:2])
+    if not found or not isinstance(light, dict):
+        return whole
+    kept = {key: value for key, value in light.items() if key != at[2]}
+    return {**whole, "colors": {**whole["colors"], "light": kept}}
+
+
+def _shows_other_colors(layer: Layer) -> bool:
+    """Is a layer a venue, or does it choose another source than the simulated camera, or define colors?"""
+    found, uri = lookup(layer.table, ["source", "uri"])
+    defines = any(lookup(layer.table, ["colors", kind])[0] for kind in ("classes", "samples"))
+    return layer.kind is LayerKind.VENUE or defines or (found and uri != SYNTHETIC)
 
 
 def numbers(node: Any, keys: list[str]) -> Iterator[tuple[list[str], float]]:

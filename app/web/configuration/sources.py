@@ -10,11 +10,10 @@ import msgspec
 from app.web.problems import RequestRefused
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.layers import LayerKind
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import SYNTHETIC, Settings
 from vision_core.startup import PREFLIGHT
 
 KEY = "source.uri"
-SYNTHETIC = "synthetic"
 DEVICES = Path("/dev")
 PATIENCE_S = 30.0
 

@@ -5,8 +5,8 @@ its line of ``checks_from``.
 """
 
 from app.web.blackboard import ServiceSnapshot
+from app.web.reports.adaptation import Adaptation, adaptation_from
 from app.web.reports.base import Report
-from vision_core.clock import seconds_between
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Timed
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
@@ -69,39 +69,6 @@ class ColorsReport(Check):
     """Why the light cannot be judged; empty when it can."""
 
 
-class PaletteChangeReport(Report):
-    """One change of the colors in force."""
-
-    age_s: float
-    what: str
-    """learned: from the robots that were still read; found: anew, from nothing; start: back to the settings' colors."""
-    robots: int
-    """Seen with the new colors in the picture that led to it."""
-    read: int
-    """Of these, read."""
-
-
-class PaintShiftReport(Report):
-    """How a paint looks now, beside how the settings have it: log B/G and log R/G."""
-
-    name: str
-    set_up: tuple[float, float]
-    now: tuple[float, float]
-    patches: int
-    """From which it was learned; 0: placed by its name."""
-
-
-class PaletteReport(Report):
-    """The colors that the service sees with while they follow the light."""
-
-    as_set_up: bool
-    """Are the settings' colors in force?"""
-    changes: list[PaletteChangeReport]
-    """The last ones, oldest first."""
-    paints: list[PaintShiftReport]
-    """Empty while the settings' colors are in force."""
-
-
 class Checks(Report):
     """The newest finding of each check; null while the check does not run."""
 
@@ -109,8 +76,8 @@ class Checks(Report):
     lines: LinesReport | None
     exposure: ExposureReport | None
     colors: ColorsReport | None
-    palette: PaletteReport | None
-    """Null until the task follow has looked at a picture."""
+    adaptation: Adaptation | None
+    """What colors and light became since the set-up; null before the task follow runs."""
 
 
 def checks_from(snapshot: ServiceSnapshot) -> Checks:
@@ -120,7 +87,7 @@ def checks_from(snapshot: ServiceSnapshot) -> Checks:
         lines=_lines(snapshot.recent(records.lines)),
         exposure=_exposure(snapshot.recent(records.exposure)),
         colors=_colors(snapshot.recent(records.colors)),
-        palette=_palette(snapshot),
+        adaptation=adaptation_from(snapshot),
     )
 
 
@@ -162,23 +129,3 @@ def _colors(timed: Timed[Finding[ColorDrift]] | None) -> ColorsReport | None:
     if timed is None:
         return None
     return ColorsReport(age_s=timed.age_s, gain_bgr=timed.value.found.gain_bgr, reason=timed.value.found.reason)
-
-
-def _palette(snapshot: ServiceSnapshot) -> PaletteReport | None:
-    timed = snapshot.of(records.palette)
-    if timed is None:
-        return None
-    palette = timed.value
-    return PaletteReport(
-        as_set_up=not palette.paints,
-        changes=[
-            PaletteChangeReport(
-                age_s=seconds_between(one.at, snapshot.now), what=one.what, robots=one.robots, read=one.read
-            )
-            for one in palette.changes
-        ],
-        paints=[
-            PaintShiftReport(name=one.name, set_up=one.set_up, now=one.now, patches=one.patches)
-            for one in palette.paints
-        ],
-    )

@@ -17,7 +17,7 @@ from vision_core.venues.loader import load_settings
 @pytest.fixture
 def picture(tmp_path: Path) -> Path:
     pixels = np.zeros((480, 640, 3), dtype=np.uint8)
-    pixels[:] = (60, 110, 60)
+    pixels[:] = (46, 98, 38)
     pixels[100:120, 200:220] = (192, 80, 32)
     write_picture(tmp_path / "field.png", pixels)
     return tmp_path / "field.png"
@@ -31,11 +31,11 @@ def run(*words: str) -> tuple[str, BaseException | None]:
 def test_samples_can_be_pasted_into_a_venue(picture: Path, tmp_path: Path) -> None:
     out, error = run("sample", str(picture), "--class", "paint", "--at", "210,110,211,111", "--at", "20,20")
     assert error is None
-    assert tomllib.loads(out) == {"colors": {"samples": {"paint": ["#2050c0", "#3c6e3c"]}}}
+    assert tomllib.loads(out) == {"colors": {"samples": {"paint": ["#2050c0", "#26622e"]}}}
     assert out.count("# ") == 3
     venue = tmp_path / "venue.toml"
     venue.write_text(out)
-    assert load_settings(str(venue)).colors.samples == {"paint": ("#2050c0", "#3c6e3c")}
+    assert load_settings(str(venue)).colors.samples == {"paint": ("#2050c0", "#26622e")}
 
 
 def test_show_says_the_class_and_the_misses(picture: Path) -> None:
@@ -44,15 +44,16 @@ def test_show_says_the_class_and_the_misses(picture: Path) -> None:
     assert "210,110: blue | bgr 192 80 32 #2050c0 | hsv: hue_deg 222" in out
     assert "blue: claims it" in out
     assert "20,20: no class" in out
-    assert "orange: no: hue_deg 120 misses 4..34 by 86" in out
+    assert "orange: no: hue_deg 128 misses 4..34 by 94" in out
 
 
 def test_light_prints_the_line_of_the_settings(picture: Path) -> None:
     out, error = run("light", str(picture))
     assert error is None
-    assert tomllib.loads(out)["reference_bgr"] == [60.0, 110.0, 60.0]
+    assert tomllib.loads(out)["reference_bgr"] == [46.0, 98.0, 38.0]
     reference = load_settings().colors.light.reference_bgr
-    gains = " ".join(f"{wanted / found:.2f}" for wanted, found in zip(reference, (60.0, 110.0, 60.0), strict=True))
+    assert reference is not None
+    gains = " ".join(f"{wanted / found:.2f}" for wanted, found in zip(reference, (46.0, 98.0, 38.0), strict=True))
     assert f"gains {gains}" in out
 
 

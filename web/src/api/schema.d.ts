@@ -1449,6 +1449,71 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * Adaptation
+         * @description The light and the colors that the service sees with while they follow the light.
+         */
+        Adaptation: {
+            /**
+             * As Set Up
+             * @description Are gains and palette those of the settings?
+             */
+            as_set_up: boolean;
+            /**
+             * Changes
+             * @description The last ones, oldest first.
+             */
+            changes: components["schemas"]["AdaptationChange"][];
+            /**
+             * Held
+             * @description The colors of the set-up are held: the live setting colors.light.adapt is false.
+             */
+            held: boolean;
+            light: components["schemas"]["LightInForce"];
+            /**
+             * Max Shift
+             * @description How far a paint may get from where it was set up, in each coordinate.
+             */
+            max_shift: number;
+            /**
+             * Paints
+             * @description Empty while the settings' palette is in force.
+             */
+            paints: components["schemas"]["PaintShiftReport"][];
+        };
+        /**
+         * AdaptationChange
+         * @description One change of the colors or the light in force.
+         */
+        AdaptationChange: {
+            /** Age S */
+            age_s: number;
+            /**
+             * Gain Bgr
+             * @description In force from then on.
+             */
+            gain_bgr: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Read
+             * @description Of these, read.
+             */
+            read: number;
+            /**
+             * Robots
+             * @description Seen with a new palette in the picture that led to it.
+             */
+            robots: number;
+            /**
+             * What
+             * @description light: other gains; learned: the palette, from the robots that were still read; found: the palette anew, from
+             *     nothing; start: the settings' palette again; held: back to the set-up; resumed: this was undone.
+             */
+            what: string;
+        };
+        /**
          * Admission
          * @description Who is to be admitted.
          */
@@ -1698,6 +1763,8 @@ export interface components {
          * @description One camera, what is seen in its newest image, and what its checks found.
          */
         CameraReport: {
+            /** @description What colors and light became since the set-up; null before the task follow runs. */
+            adaptation: components["schemas"]["Adaptation"] | null;
             /**
              * Age S
              * @description Time since the newest image was grabbed [s]; null before the first.
@@ -1731,8 +1798,6 @@ export interface components {
              * @description Objects of robot size that are no known robot and no ball; 0 while nothing looks for them.
              */
             obstacles: number;
-            /** @description Null until the task follow has looked at a picture. */
-            palette: components["schemas"]["PaletteReport"] | null;
             /**
              * Rate Hz
              * @description Images per second, as configured [1/s].
@@ -2562,6 +2627,48 @@ export interface components {
             shutter_delay_ms: number;
         };
         /**
+         * LightInForce
+         * @description How pictures are converted to the light of the set-up: (level - black) * gain.
+         */
+        LightInForce: {
+            /** Black Bgr */
+            black_bgr: [
+                number,
+                number,
+                number
+            ];
+            /** Gain Bgr */
+            gain_bgr: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Is Measured
+             * @description false: the venue has no reference of its light, so that gains stay those of the set-up.
+             */
+            is_measured: boolean;
+            /**
+             * Max Gain
+             * @description Light that needs a gain over this, or under its inverse, is not followed.
+             */
+            max_gain: number;
+            /**
+             * Reason
+             * @description Why the light cannot be measured just now; empty when it can.
+             */
+            reason: string;
+            /**
+             * Set Up Gain Bgr
+             * @description Of the pictures of the set-up.
+             */
+            set_up_gain_bgr: [
+                number,
+                number,
+                number
+            ];
+        };
+        /**
          * LineReport
          * @description One painted line of the field.
          */
@@ -3068,50 +3175,6 @@ export interface components {
                 number,
                 number
             ];
-        };
-        /**
-         * PaletteChangeReport
-         * @description One change of the colors in force.
-         */
-        PaletteChangeReport: {
-            /** Age S */
-            age_s: number;
-            /**
-             * Read
-             * @description Of these, read.
-             */
-            read: number;
-            /**
-             * Robots
-             * @description Seen with the new colors in the picture that led to it.
-             */
-            robots: number;
-            /**
-             * What
-             * @description learned: from the robots that were still read; found: anew, from nothing; start: back to the settings' colors.
-             */
-            what: string;
-        };
-        /**
-         * PaletteReport
-         * @description The colors that the service sees with while they follow the light.
-         */
-        PaletteReport: {
-            /**
-             * As Set Up
-             * @description Are the settings' colors in force?
-             */
-            as_set_up: boolean;
-            /**
-             * Changes
-             * @description The last ones, oldest first.
-             */
-            changes: components["schemas"]["PaletteChangeReport"][];
-            /**
-             * Paints
-             * @description Empty while the settings' colors are in force.
-             */
-            paints: components["schemas"]["PaintShiftReport"][];
         };
         /**
          * Password

@@ -6,6 +6,7 @@ type Schemas = components["schemas"];
 export type Status = Schemas["Status"];
 export type Alarm = Schemas["Alarm"];
 export type Camera = Schemas["CameraReport"];
+export type Adaptation = Schemas["Adaptation"];
 export type Client = Schemas["ClientReport"];
 export type Clients = Schemas["Clients"];
 export type Waiting = Schemas["WaitingReport"];

@@ -1,0 +1,41 @@
+"""The light that a running service sees with: it follows what is measured once that has settled.
+
+A lamp that flickers, a hand over the field and a camera that still adjusts itself change the light from look to look;
+such lights are waited for. A light is taken when two looks one after the other agree on it, the first one at once.
+"""
+
+from vision_core.color.light import MIN_GAIN_CHANGE, Lighting, gain_distance, settled, start_light
+from vision_core.geometry import Bytes
+from vision_core.models.camera_setup import CameraSetup
+from vision_core.settings.schema import Settings
+from vision_core.types.colors import Light
+
+SAME = 2.0 * MIN_GAIN_CHANGE
+"""Two looks agree when the logarithms of their gains differ by no more."""
+
+
+class SettlingLight:
+    """Follows the light of one camera."""
+
+    def __init__(self, settings: Settings, camera: CameraSetup) -> None:
+        self._settings = settings.colors.light
+        self._lighting = Lighting(settings, camera)
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again with the light of the set-up."""
+        self.light = start_light(self._settings)
+        """In force."""
+        self._last: Light | None = None
+
+    def look(self, pixels: Bytes) -> bool:
+        """Measure the light of the newest picture, shape (height, width, 3); False while it has not settled."""
+        now, before = self._lighting.measure(pixels), self._last
+        wanted = settled(self.light, now, self._settings)
+        self._last = now
+        is_steady = before is None or (
+            gain_distance(now, before) <= SAME and (now.reason is None) == (before.reason is None)
+        )
+        if is_steady:
+            self.light = wanted
+        return is_steady or gain_distance(wanted, self.light) == 0.0
