@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.evaluation.test_stills import settings, still  # noqa: F401
-from vision_core.evaluation.lights import LIGHTS, curved, gained, half_dark, score_in_lights, warmed
+from vision_core.capture.faults import changed_light
+from vision_core.evaluation.lights import LIGHTS, gained, score_in_lights, warmed
 from vision_core.evaluation.truth_files import PictureTruth, TrueRobot
 from vision_core.geometry import Bytes
 from vision_core.settings.schema import Settings
@@ -23,24 +24,12 @@ def test_every_change_keeps_size_and_type_and_leaves_the_picture_alone() -> None
         assert np.array_equal(before, GREY), name
 
 
-def test_gains_and_black_level() -> None:
-    assert gained((0.5, 1.0, 4.0), 20.0)(GREY)[0, 0].tolist() == [70, 120, 255]
-
-
 def test_warm_light_takes_blue_and_cold_light_red() -> None:
-    blue, green, red = warmed(2700)(GREY)[0, 0].tolist()
+    blue, green, red = changed_light(warmed(2700))(GREY)[0, 0].tolist()
     assert blue < green < red == 100
-    blue, green, red = warmed(7500)(GREY)[0, 0].tolist()
+    blue, green, red = changed_light(warmed(7500))(GREY)[0, 0].tolist()
     assert blue > green > red
-
-
-def test_the_right_half_is_dark() -> None:
-    assert half_dark(GREY)[0, [0, -1], 0].tolist() == [100, 50]
-
-
-def test_a_curve_keeps_black_and_white() -> None:
-    ends = np.array([[[0, 0, 0], [255, 255, 255], [100, 100, 100]]], dtype=np.uint8)
-    assert curved(1.4)(ends)[0, :, 0].tolist() == [0, 255, 69]
+    assert changed_light(gained((0.5, 1.0, 4.0), 20.0))(GREY)[0, 0].tolist() == [70, 120, 255]
 
 
 def black(pixels: Bytes) -> Bytes:

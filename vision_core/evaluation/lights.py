@@ -1,29 +1,29 @@
 """How well a venue holds in other light than the one of its pictures: what ``pslv evaluate --lights`` prints.
 
-Every picture is changed as another light, another setting of the camera or a poor connection would change it, and
-scored against the same truth. Each change happens alone. Levels are taken as light in the gains, as cameras without a
-gamma have them: a stage that is right in all of these is not right by a lucky curve.
+Every picture is changed as another light, another setting of the camera or a poor connection would change it
+(``capture.faults``), and scored against the same truth. Each change happens alone: a stage that is right in all of
+these is not right by a lucky curve.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import msgspec
-import numpy as np
 
+from vision_core.capture.faults import NO_LIGHT_FAULT, Change, changed_light
 from vision_core.clock import Instant, ManualClock
 from vision_core.evaluation.score import score_picture
 from vision_core.evaluation.truth_files import PictureTruth
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.native.opencv import decode_jpeg, encode_jpeg, read_picture
+from vision_core.native.opencv import read_picture
 from vision_core.pipeline.perception import Perception
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import LightFaultSettings, Settings
 from vision_core.types.image import ImageFrame
 
-Change = Callable[[Bytes], Bytes]
-"""A picture, shape (height, width, 3), blue green red -> the same in another light."""
+Gains = tuple[float, float, float]
+"""Of blue, green and red."""
 
 BLACKBODY_BGR = {
     2700: (0.34, 0.66, 1.0),
@@ -36,8 +36,6 @@ BLACKBODY_BGR = {
 """Blue, green and red of a black body by its temperature [K], the largest being 1 (T. Tanner's table, as light)."""
 TUNED_K = 5500
 """Temperature of the light that a picture is taken to be in."""
-NOISE_LEVELS = 8.0
-JPEG_QUALITY = 30
 
 
 @dataclass(slots=True)
@@ -102,63 +100,30 @@ def add_picture(score: LightScore, truth: PictureTruth, found: dict[str, Any], t
     score.wrong += by_id.wrong_ids
 
 
-def gained(gains_bgr: Sequence[float], black: float = 0.0) -> Change:
+def gained(gains_bgr: Gains, black: float = 0.0) -> LightFaultSettings:
     """Every channel times its gain, plus a level of black."""
-
-    def change(pixels: Bytes) -> Bytes:
-        return _clipped(pixels * np.array(gains_bgr) + black)
-
-    return change
+    return msgspec.structs.replace(NO_LIGHT_FAULT, gain_bgr=gains_bgr, black=black)
 
 
-def warmed(kelvin: int) -> Change:
+def warmed(kelvin: int) -> LightFaultSettings:
     """The light of a black body instead of that of TUNED_K, as bright in its brightest channel."""
-    ratio = np.array(BLACKBODY_BGR[kelvin]) / np.array(BLACKBODY_BGR[TUNED_K])
-    return gained((ratio / ratio.max()).tolist())
+    ratios = [new / old for new, old in zip(BLACKBODY_BGR[kelvin], BLACKBODY_BGR[TUNED_K], strict=True)]
+    blue, green, red = (ratio / max(ratios) for ratio in ratios)
+    return gained((blue, green, red))
 
 
-def curved(gamma: float) -> Change:
-    """Another curve of the camera: 255 (level / 255)^gamma."""
-
-    def change(pixels: Bytes) -> Bytes:
-        return _clipped(255.0 * (pixels / 255.0) ** gamma)
-
-    return change
-
-
-def half_dark(pixels: Bytes) -> Bytes:
-    """The right half with half of the light, as when a row of lamps is off; the border is a tenth of the width wide."""
-    along = np.linspace(0.0, 1.0, pixels.shape[1])
-    gain = 1.0 - 0.5 * np.clip((along - 0.45) / 0.1, 0.0, 1.0)
-    return _clipped(pixels * gain[None, :, None])
-
-
-def noisy(pixels: Bytes) -> Bytes:
-    """Gaussian noise of NOISE_LEVELS on every channel, the same for every picture of a size."""
-    noise = np.random.default_rng(1).normal(0.0, NOISE_LEVELS, pixels.shape)
-    return _clipped(pixels + noise)
-
-
-def compressed(pixels: Bytes) -> Bytes:
-    """Through a JPEG of quality JPEG_QUALITY."""
-    return decode_jpeg(encode_jpeg(pixels, JPEG_QUALITY))
-
-
-def _clipped(levels: Floats) -> Bytes:
-    clipped: Bytes = np.clip(levels.round(), 0.0, 255.0).astype(np.uint8)
-    return clipped
-
-
-LIGHTS: dict[str, Change] = {
-    "as it is": lambda pixels: pixels,
+LIGHT_FAULTS: dict[str, LightFaultSettings] = {
+    "as it is": NO_LIGHT_FAULT,
     **{f"all x {gain:g}": gained((gain,) * 3) for gain in (0.4, 0.7, 1.4, 2.0)},
     **{f"blue x {gain:g}": gained((gain, 1.0, 1.0)) for gain in (0.6, 1.5)},
     **{f"red x {gain:g}": gained((1.0, 1.0, gain)) for gain in (0.6, 1.5)},
     **{f"{kelvin} K": warmed(kelvin) for kelvin in (2700, 3500, 4500, 7500)},
-    "right half x 0.5": half_dark,
-    **{f"gamma {gamma:g}": curved(gamma) for gamma in (0.7, 1.4)},
+    "right half x 0.5": msgspec.structs.replace(NO_LIGHT_FAULT, right_half=0.5),
+    **{f"gamma {gamma:g}": msgspec.structs.replace(NO_LIGHT_FAULT, gamma=gamma) for gamma in (0.7, 1.4)},
     "black + 20": gained((1.0, 1.0, 1.0), 20.0),
-    "JPEG 30": compressed,
-    "noise 8": noisy,
+    "JPEG 30": msgspec.structs.replace(NO_LIGHT_FAULT, jpeg_quality=30),
+    "noise 8": msgspec.structs.replace(NO_LIGHT_FAULT, noise=8.0),
 }
-"""The changes of light by name."""
+"""The changes of light by name, as faults of a source."""
+LIGHTS: dict[str, Change] = {name: changed_light(fault) for name, fault in LIGHT_FAULTS.items()}
+"""The same as functions of pictures."""

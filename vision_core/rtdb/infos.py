@@ -13,6 +13,7 @@ from vision_core.settings.layers import Layer
 from vision_core.settings.live import LIVE
 from vision_core.settings.schema import (
     AdmissionSettings,
+    FaultSettings,
     MatchSettings,
     MirrorConstants,
     MirrorSettings,
@@ -260,6 +261,7 @@ class LiveSettings:
     tracks: TrackSettings
     views: ViewSettings
     admission: AdmissionSettings
+    faults: FaultSettings
     adapt: bool
     """colors.light.adapt; False: the colors of the set-up are held."""
     ended: tuple[EndedSession, ...] = ()

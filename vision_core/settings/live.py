@@ -1,6 +1,6 @@
 """Which settings a running service applies between two frames. Every other one needs a restart."""
 
-LIVE = ("match", "mirror", "tracks", "views", "admission")
+LIVE = ("match", "mirror", "tracks", "views", "admission", "faults")
 """Sections of which every setting is live."""
 LIVE_KEYS = ("colors.light.adapt",)
 """Single live settings of other sections."""

@@ -134,6 +134,23 @@ class SyntheticSettings(Record, frozen=True):
     walking_people: Annotated[int, Meta(ge=0, le=20)]
 
 
+class LightFaultSettings(Record, frozen=True):
+    """Another light, another curve of the camera, a poor connection."""
+
+    gain_bgr: Annotated[tuple[Gain, Gain, Gain], Meta(description="of the light in blue, green and red")]
+    black: Annotated[float, Meta(ge=0.0, le=128.0, description="level added to every channel")]
+    gamma: Annotated[float, Meta(ge=0.2, le=5.0, description="levels become 255 (level / 255)^gamma")]
+    right_half: Annotated[float, Meta(ge=0.0, le=4.0, description="share of the light on the picture's right half")]
+    noise: Annotated[float, Meta(ge=0.0, le=64.0, description="standard deviation in grey levels")]
+    jpeg_quality: Annotated[int, Meta(ge=0, le=100, description="0: not compressed")]
+
+
+class FaultSettings(Record, frozen=True):
+    """Faults of a source that is no device, to try what happens."""
+
+    light: LightFaultSettings
+
+
 class GoalSettings(Record, frozen=True):
     """Both goals."""
 
@@ -445,6 +462,7 @@ class Settings(Record, frozen=True):
     source: SourceSettings
     camera: CameraSettings
     synthetic: SyntheticSettings
+    faults: FaultSettings
     field: FieldSettings
     mirror: MirrorSettings
     colors: ColorSettings

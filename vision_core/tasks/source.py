@@ -2,12 +2,13 @@
 
 A real camera makes its images without using the service's time, so this task has no real-time priority. It makes the
 image that ``capture`` requested, in the slot of the ring that the request names, and reports when it is done. A source
-that fails is opened again once a second.
+that fails is opened again once a second. The live settings ``[faults]`` spoil its images on the way.
 """
 
 import numpy as np
 
-from vision_core.capture.source import PlayedSource, open_played
+from vision_core.capture.faults import FaultySource
+from vision_core.capture.source import open_played
 from vision_core.clock import NS_PER_S, Instant
 from vision_core.errors import SourceError
 from vision_core.rtdb import records
@@ -37,7 +38,10 @@ class _Player:
         self._requests = handle.reader(records.frame_requests(camera.name))
         self._done = handle.writer(records.frames_done(camera.name))
         self._info = handle.writer(records.source(camera.name))
-        self._source: PlayedSource | None = None
+        self._live = handle.reader(records.LIVE_SETTINGS)
+        self._live_sequence = 0
+        self._faults = handle.settings.faults
+        self._source: FaultySource | None = None
         self._keeper = RequestedKeeper(camera.rate_hz)
         self._opened = Instant(0)
         self._filled = 0
@@ -61,6 +65,7 @@ class _Player:
             if source is None or timed is None or timed.sequence == self._filled:
                 return False
             request = timed.value
+            self._have_live_faults(source)
             self._keeper.request(request.instant)
             source.grab(np.frombuffer(self._frames.payload(request.slot), dtype=np.uint8).reshape(self._shape))
         except SourceError as error:
@@ -72,13 +77,22 @@ class _Player:
         self._handle.note = ""
         return True
 
-    def _open(self) -> PlayedSource | None:
+    def _have_live_faults(self, source: FaultySource) -> None:
+        if self._live.sequence == self._live_sequence:
+            return
+        self._live_sequence, live = self._live.sequence, self._live.read(self._handle.clock.now())
+        if live is not None and live.value.faults != self._faults:
+            self._faults = live.value.faults
+            source.have(self._faults)
+
+    def _open(self) -> FaultySource | None:
         """Open the source, at most once a second; None in between. Raises SourceError."""
         now = self._handle.clock.now()
         if now - self._opened < REOPEN_EVERY_S * NS_PER_S:
             return None
         self._opened = now
-        source = open_played(self._handle.settings, self._handle.camera, self._handle.clock, paced=False)
+        played = open_played(self._handle.settings, self._handle.camera, self._handle.clock, paced=False)
+        source = FaultySource(played, self._faults)
         source.prepare()
         source.keeper = self._keeper = RequestedKeeper(source.rate_hz)
         self._info.write(info_of(source, self._handle.settings.source.uri), now, now)
