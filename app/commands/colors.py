@@ -146,15 +146,13 @@ def _where_they_go(target: "Layer | None", *, saved: bool) -> str:
 
 def _missing_classes(settings: "Settings", just_sampled: str) -> list[str]:
     """Color classes that the ball and the robots' patterns need and the settings do not define."""
-    from vision_core.models.from_settings import robots_of
-    from vision_core.patterns.loader import load_pattern
+    from vision_core.patterns.worn import colors_of_team
     from vision_core.types.objects import Team
     from vision_core.venues.rules import class_names
 
     needed = dict.fromkeys([settings.ball.color, *settings.ball.surrounding])
     for team in Team:
-        pattern = load_pattern(robots_of(settings.robots, team).pattern)
-        needed |= dict.fromkeys(color for number in pattern.code_by_id for color in pattern.colors_worn(team, number))
+        needed |= dict.fromkeys(colors_of_team(settings.robots, team))
     return [color for color in needed if color not in (just_sampled, *class_names(settings))]
 
 

@@ -93,7 +93,7 @@ def _of_venue(venue: str | None, config: Path | None) -> list[str]:
     if venue is None and config is None:
         return []
     robots = load_settings(venue, config).robots
-    return [robots_of(robots, team).pattern for team in Team]
+    return [name for team in Team for name in robots_of(robots, team).patterns]
 
 
 def _ids(pattern: "Pattern", wanted: str | None) -> list[int]:

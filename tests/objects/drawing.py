@@ -40,7 +40,7 @@ PAINTS: dict[str, Color] = {
 
 SETTINGS: Settings = load_settings()
 TABLE = compile_color_table(SETTINGS.colors)
-STANDARD = load_pattern(SETTINGS.robots.pattern)
+STANDARD = load_pattern(SETTINGS.robots.patterns[0])
 CODES = STANDARD.code_by_id
 
 SUBPIXELS = 4
@@ -143,18 +143,21 @@ class Picture:
             self.paint_disc("body", *pose[:2], robot.radius_m, robot.height_m)
         else:
             self.paint_polygon("body", place + square @ turn.T, robot.height_m)
-        letters = iter(code)
+        letters, shapes = iter(code), [shape.name[0].upper() for shape in pattern.code.shapes]
         paint_of = {name[0].upper(): name for name in pattern.code.colors}
         for patch in pattern.patches:
             letter = next(letters) if patch.color == CODE else ""
             paint = team if patch.color == TEAM else paint_of.get(letter, patch.color)
+            if patch.shapes and letter != "-":
+                letter = next(letters)
             if letter == "-":
                 continue
-            if patch.circle_mm is not None:
-                x, y = place + turn @ (np.array(patch.circle_mm[:2]) / 1000.0)
-                self.paint_disc(paint, float(x), float(y), patch.circle_mm[2] / 2000.0, robot.height_m)
+            worn = patch.shapes[shapes.index(letter)] if patch.shapes else patch
+            if worn.circle_mm is not None:
+                x, y = place + turn @ (np.array(worn.circle_mm[:2]) / 1000.0)
+                self.paint_disc(paint, float(x), float(y), worn.circle_mm[2] / 2000.0, robot.height_m)
             else:
-                self.paint_polygon(paint, place + np.array(patch.polygon_mm) / 1000.0 @ turn.T, robot.height_m)
+                self.paint_polygon(paint, place + np.array(worn.polygon_mm) / 1000.0 @ turn.T, robot.height_m)
 
     def paint_robot(self, team: str, code: str, x_m: float, y_m: float, heading_rad: float) -> None:
         """A robot's top with the standard pattern."""

@@ -108,7 +108,7 @@ def markers(options: Settings, frames: int) -> tuple[Floats, Floats, Floats]:
     source = open_source(options, CameraSetup.from_settings(options), ManualClock(), paced=False)
     assert isinstance(source, SyntheticCamera)
     camera, table = CameraSetup.from_settings(options).model, compile_color_table(options.colors)
-    pattern = load_pattern(options.robots.pattern)
+    pattern = load_pattern(options.robots.patterns[0])
     slots = np.array([patch.circle_mm for patch in pattern.patches]) / 1000.0
     pixels = np.empty((options.camera.height_px, options.camera.width_px, 3), dtype=np.uint8)
     segmenter, memory = ReferenceSegmenter(pixels.shape[1], pixels.shape[0], options.blobs), circle_buffer()

@@ -23,7 +23,7 @@ from vision_core.patterns.geometry import (
     reach_mm,
     rim_mm,
     turned_mm,
-    turns_onto_itself,
+    turns_onto,
     width_mm,
 )
 
@@ -117,18 +117,19 @@ def test_crossing_sides(corners: list[tuple[float, float]], *, crossing: bool) -
 def test_a_ring_of_patches_has_as_many_turns(first: float, count: int) -> None:
     bearings = first + math.tau * np.arange(count) / count
     ring = [disc(50 * math.cos(b) + 7, 50 * math.sin(b) - 3, 15) for b in bearings]
-    turns = turns_onto_itself(ring)
+    turns = turns_onto(ring, ring)
     assert [turn for turn, _ in turns] == pytest.approx([math.tau * i / count for i in range(count)], abs=1e-4)
     assert [places[0] for _, places in turns] == list(range(count))
 
 
 def test_turns_of_other_sets() -> None:
-    assert len(turns_onto_itself(SSL)) == 1
-    assert len(turns_onto_itself([disc(0, 0, 50)])) == 2
-    assert len(turns_onto_itself([box(-20, -20, 20, 20)])) == 4
-    assert len(turns_onto_itself([box(-20, -10, 20, 10)])) == 2
-    assert len(turns_onto_itself([ELL])) == 1
-    assert [places for _, places in turns_onto_itself([box(0, 0, 20, 20), box(-20, -20, 0, 0)])] == [[0, 1], [1, 0]]
+    diagonal = [box(0, 0, 20, 20), box(-20, -20, 0, 0)]
+    assert len(turns_onto(SSL, SSL)) == 1
+    assert len(turns_onto([disc(0, 0, 50)], [disc(0, 0, 50)])) == 2
+    assert len(turns_onto([box(-20, -20, 20, 20)], [box(-20, -20, 20, 20)])) == 4
+    assert len(turns_onto([box(-20, -10, 20, 10)], [box(-20, -10, 20, 10)])) == 2
+    assert len(turns_onto([ELL], [ELL])) == 1
+    assert [places for _, places in turns_onto(diagonal, diagonal)] == [[0, 1], [1, 0]]
 
 
 def test_turning_keeps_the_middle() -> None:

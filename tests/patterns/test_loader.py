@@ -66,7 +66,7 @@ REFUSED = {
     ),
     "touch and are both blue": (CODE, '[code]\ncolors = ["blue", "pink"]\nids = { 1 = "B", 2 = "P" }\n'),
     "1 and 2 both wear G": ('2 = "P"', '2 = "G"'),
-    '2 = "GP"; accepted: a number of 0 to 255 and 1 letters of GP': ('2 = "P"', '2 = "GP"'),
+    '2 = "GP"; accepted: a number of 0 to 255 and a letter of GP': ('2 = "P"', '2 = "GP"'),
     "256 = ": ("2 = ", "256 = "),
     "01 = ": ("2 = ", "01 = "),
     "different initials": ('"pink"', '"grey"'),

@@ -31,7 +31,7 @@ class DemoPicture:
     def papers(self) -> dict[str, list[tuple[int, int]]]:
         """Pixels in the middle of the papers by their colors, the ball's too."""
         settings, camera = self.settings, CameraSetup.from_settings(self.settings).model
-        pattern, body = load_pattern(settings.robots.pattern), settings.robots
+        pattern, body = load_pattern(settings.robots.patterns[0]), settings.robots
         found: dict[str, list[tuple[int, int]]] = {}
         for robot in self.truth.robots:
             colors = pattern.colors_worn(robot.team, robot.id)

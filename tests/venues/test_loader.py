@@ -307,8 +307,8 @@ def test_names_in_a_file_are_relative_to_it(tmp_path: Path, monkeypatch: pytest.
         '[robots.blue]\npattern = "ssl-standard"\n'
     )
     settings = load_settings("../venue/venue.toml")
-    assert Path(settings.robots.pattern).samefile(folder / "mine.toml")
-    assert load_pattern(settings.robots.pattern).name == load_pattern("ssl-standard").name
+    assert Path(settings.robots.patterns[0]).samefile(folder / "mine.toml")
+    assert load_pattern(settings.robots.patterns[0]).name == load_pattern("ssl-standard").name
     assert settings.robots.blue is not None
     assert settings.robots.blue.pattern == "ssl-standard"
     assert Path(settings.source.uri.removeprefix("file:")) == elsewhere / "../venue/pictures"

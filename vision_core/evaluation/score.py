@@ -18,9 +18,8 @@ from vision_core.evaluation.stills import detect_files
 from vision_core.evaluation.truth_files import PictureTruth, TrueRobot, check_truth
 from vision_core.geometry import Floats
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.models.from_settings import robots_of
 from vision_core.native.opencv import Color, draw_circle, draw_text, read_picture, write_picture
-from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.worn import worn_patterns
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
@@ -81,7 +80,10 @@ def evaluate(
     read or has not the venue's size; SettingsError for a pattern that cannot be read.
     """
     camera = CameraSetup.from_settings(settings).size_px
-    ids = {team: frozenset(load_pattern(robots_of(settings.robots, team).pattern).code_by_id) for team in Team}
+    ids = {
+        team: frozenset(number for pattern in worn_patterns(settings.robots, team) for number in pattern.code_by_id)
+        for team in Team
+    }
     for picture in truth:
         check_truth(picture, camera, ids)
     found = detect_files([picture.file for picture in truth], settings, draw)

@@ -92,6 +92,16 @@ def field_and_scale(camera: CameraMap, x_px: float, y_px: float, height_m: float
 
 
 @kernel
+def field_steps(camera: CameraMap, x_px: float, y_px: float, height_m: float) -> tuple[float, float, float, float]:
+    """How x and y in the field change with one pixel to the right, and with one pixel down [m/px]."""
+    left_x, left_y = field_from_pixel(camera, x_px - 1.0, y_px, height_m)
+    right_x, right_y = field_from_pixel(camera, x_px + 1.0, y_px, height_m)
+    up_x, up_y = field_from_pixel(camera, x_px, y_px - 1.0, height_m)
+    down_x, down_y = field_from_pixel(camera, x_px, y_px + 1.0, height_m)
+    return 0.5 * (right_x - left_x), 0.5 * (right_y - left_y), 0.5 * (down_x - up_x), 0.5 * (down_y - up_y)
+
+
+@kernel
 def pixel_from_field(camera: CameraMap, x_m: float, y_m: float, height_m: float) -> tuple[float, float]:
     """The pixel at which a point of the field at a height is seen: (x, y) [px], nan behind the camera."""
     lens, plane = camera.lens, camera.plane_from_floor

@@ -15,5 +15,9 @@ def robots_of(robots: RobotSettings, team: Team) -> TeamRobotSettings:
     """Pattern, outline, size and marker height of a team's robots: its own settings, or those of both teams."""
     own = robots.blue if team is Team.BLUE else robots.yellow
     return own or TeamRobotSettings(
-        pattern=robots.pattern, outline=robots.outline, radius_m=robots.radius_m, height_m=robots.height_m
+        pattern=robots.pattern,
+        pattern_ids=robots.pattern_ids,
+        outline=robots.outline,
+        radius_m=robots.radius_m,
+        height_m=robots.height_m,
     )

@@ -12,7 +12,7 @@ from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.models.from_settings import robots_of
 from vision_core.palette.marker_search import measure_colors
 from vision_core.palette.naming import PAINT_SD, SCALE_SD, SHIFT_SD, USUAL_SCALE
-from vision_core.palette.trial import BALL, BALL_RADII, ROBOT_RADII, Judged, Picture, Trial
+from vision_core.palette.trial import BALL, BALL_RADII, ROBOT_RADII, Judged, Kind, Picture, Trial
 from vision_core.settings.schema import SamplingSettings
 from vision_core.types.colors import DARK_LEVEL, LUMA_BGR, chromaticity
 from vision_core.types.tables import TEAMS
@@ -51,16 +51,14 @@ def learn(trial: Trial, pictures: Sequence[Picture], judged: Sequence[Judged]) -
     floor, tops = [], []
     for picture, seen in zip(pictures, judged, strict=True):
         for robot, evidence in zip(seen.robots, seen.evidence, strict=True):
-            kind = trial.kinds[robot["team"]]
+            kind = trial.kind_of(robot)
             if evidence < SURE:
                 continue
             if kind.template.has_between:
                 tops.append(_top_of(trial, picture.pixels, robot))
             row = kind.ids.index(int(robot["id"])) if len(kind.ids) > 1 else 0
             pose = np.array([0.0, robot["x_m"], robot["y_m"], robot["heading_rad"], 1.0])
-            for paint, color in zip(
-                kind.worn[row], _colors_at(trial, picture.pixels, robot["team"], pose), strict=True
-            ):
+            for paint, color in zip(kind.worn[row], _colors_at(trial, picture.pixels, kind, pose), strict=True):
                 shown[paint].append(color)
         floor.append(_floor_of(trial, picture, seen))
     ball = trial.kinds[BALL].worn[0, 0]
@@ -141,11 +139,10 @@ def _is_on_a_robot(trial: Trial, seen: Judged, x_m: float, y_m: float) -> bool:
     return False
 
 
-def _colors_at(trial: Trial, pixels: Bytes, kind: int, pose: Floats) -> Floats:
+def _colors_at(trial: Trial, pixels: Bytes, kind: Kind, pose: Floats) -> Floats:
     """Mean colors of the patches of a marker, or the ball, at a pose; shape (patches, 3)."""
-    template = trial.kinds[kind].template
-    colors = np.zeros((template.patches, 3))
-    measure_colors(pixels, trial.camera_map, template, trial.kinds[kind].height_m, pose, colors)
+    colors = np.zeros((kind.template.patches, 3))
+    measure_colors(pixels, trial.camera_map, kind.template, kind.height_m, pose, colors)
     return colors
 
 
@@ -175,7 +172,7 @@ def _floor_of(trial: Trial, picture: Picture, seen: Judged) -> Floats:
 
 def _top_of(trial: Trial, pixels: Bytes, robot: Row) -> Floats:
     """Colors between the patches of a robot, shape (n, 3)."""
-    kind = trial.kinds[robot["team"]]
+    kind = trial.kind_of(robot)
     height, width, _ = pixels.shape
     turn = rotation(robot["heading_rad"])
     found = []

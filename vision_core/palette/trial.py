@@ -7,7 +7,7 @@ nothing. Colored areas on the field that belong to no robot and no ball count ag
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -22,9 +22,9 @@ from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
 from vision_core.palette.marker_search import Candidate, Scene, find_candidates, scene_of, score_of
 from vision_core.palette.template import NEUTRAL, Template, disc_template, template_of
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.patterns.pattern import TEAM, Pattern
+from vision_core.patterns.worn import colors_of_team, worn_patterns
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import LightSettings, Settings
 from vision_core.types.colors import ColorTable, Light
@@ -32,7 +32,7 @@ from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 from vision_core.types.tables import TEAMS, Table
 
-BALL = len(TEAMS)
+BALL = -1
 """Index of the ball beside the teams."""
 SIZES = (0.9, 1.0)
 """Of a marker as a share of the drawn one: papers are often cut smaller."""
@@ -95,8 +95,7 @@ def paints_of(settings: Settings) -> tuple[str, ...]:
     """
     names: dict[str, None] = dict.fromkeys(str(team) for team in TEAMS)
     for team in TEAMS:
-        pattern = load_pattern(robots_of(settings.robots, team).pattern)
-        names |= dict.fromkeys(color for number in pattern.code_by_id for color in pattern.colors_worn(team, number))
+        names |= dict.fromkeys(colors_of_team(settings.robots, team))
     return tuple(names | {settings.ball.color: None})
 
 
@@ -162,7 +161,7 @@ class Trial:
         robots, balls = seen["robots"][: seen["counts"][0]].copy(), seen["balls"][: seen["counts"][1]].copy()
         evidence, score = np.zeros(len(robots)), 0.0
         for number, robot in enumerate(robots):
-            kind = self.kinds[robot["team"]]
+            kind = self.kind_of(robot)
             shown = 0.0
             if not math.isnan(robot["heading_rad"]):
                 pose = robot["x_m"], robot["y_m"], robot["heading_rad"]
@@ -176,6 +175,11 @@ class Trial:
                 score += UNREAD_GAIN * shown - UNREAD_COST
         clutter = self._clutter(robots, balls[:1])
         return Judged(score - CLUTTER_COST * min(clutter, MAX_CLUTTER), robots, evidence, balls, clutter)
+
+    def kind_of(self, robot: Any) -> Kind:
+        """The marker of a robot, by its id; the first one of its team where it has none."""
+        own = [kind for kind in self.kinds[:BALL] if kind.name == TEAMS[robot["team"]]]
+        return next((kind for kind in own if robot["id"] in kind.ids), own[0])
 
     def _floor_grid(self) -> tuple[PixelPlaces, Floats]:
         width, height = self.camera.size_px
@@ -192,11 +196,10 @@ class Trial:
         kinds = []
         for team in TEAMS:
             robots = robots_of(self.settings.robots, team)
-            pattern = load_pattern(robots.pattern)
-            worn = [
-                [self.paints.index(color) for color in _worn(pattern, team, number)] for number in pattern.code_by_id
-            ]
-            kinds.append(Kind(team, template_of(pattern), robots.height_m, tuple(pattern.code_by_id), np.array(worn)))
+            for pattern in worn_patterns(self.settings.robots, team):
+                ids = tuple(pattern.code_by_id)
+                worn = [[self.paints.index(color) for color in _worn(pattern, team, number)] for number in ids]
+                kinds.append(Kind(team, template_of(pattern), robots.height_m, ids, np.array(worn)))
         radius = self.settings.ball.radius_m
         ball = np.array([[self.paints.index(self.settings.ball.color)]])
         return [*kinds, Kind("ball", disc_template(radius), radius, (0,), ball)]

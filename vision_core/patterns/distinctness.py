@@ -16,7 +16,7 @@ from vision_core.patterns.geometry import (
     middle_mm,
     rim_mm,
     turned_mm,
-    turns_onto_itself,
+    turns_onto,
     width_mm,
 )
 from vision_core.patterns.pattern import Pattern, looks
@@ -47,7 +47,7 @@ class PatternReport:
     turns: int
     """Number of turns that lay the patches on themselves; colors alone distinguish these headings."""
     fewest_differences: int | None
-    """Least number of patches whose color differs between two ids of a team, over all turns; None: one id only."""
+    """Least number of patches that differ in color or shape between two ids of a team, over all turns; None: one id."""
     rival: Rival | None
     """None: no two robots have the same colors in any turn."""
     smallest_mm: float
@@ -62,7 +62,7 @@ class PatternReport:
 
 def report_on(pattern: Pattern) -> PatternReport:
     """The figures of a pattern."""
-    turns = turns_onto_itself(pattern.patches)
+    turns = turns_onto(pattern.patches, pattern.patches)
     colors = dict.fromkeys(color for _, _, worn in looks(pattern) for color in worn)
     return PatternReport(
         name=pattern.name,
@@ -70,7 +70,7 @@ def report_on(pattern: Pattern) -> PatternReport:
         turns=len(turns),
         fewest_differences=_fewest_differences(pattern, [places for _, places in turns]),
         rival=nearest_rival(pattern, pattern),
-        smallest_mm=min(width_mm(patch) for patch in pattern.patches),
+        smallest_mm=min(width_mm(patch) for layout in pattern.layouts for patch in layout),
         colors=tuple(colors),
     )
 
@@ -81,13 +81,18 @@ def nearest_rival(pattern: Pattern, other: Pattern) -> Rival | None:
     The centers of both are laid on each other, and one is turned in steps of three degrees.
     """
     turns = np.arange(0, 360, TURN_STEP_DEG)
-    misfits = _misfits(pattern.patches, other.patches, np.radians(turns))
+    misfits = {
+        (layout, another): _misfits(layout, another, np.radians(turns))
+        for layout in pattern.layouts
+        for another in other.layouts
+    }
     best: Rival | None = None
     for (team, number, worn), (other_team, other_number, others) in _pairs(pattern, other):
         alike = np.array([[color == there for there in others] for color in worn])
-        fits = np.where(alike, misfits, math.inf)
+        layout, other_layout = pattern.layout(number), other.layout(other_number)
+        fits = np.where(alike, misfits[layout, other_layout], math.inf)
         off = np.maximum(fits.min(axis=2).max(axis=1), fits.min(axis=1).max(axis=1))
-        if pattern is other and worn == others:
+        if pattern is other and (worn, layout) == (others, other_layout):
             off = _local_minima(off)
         nearest = int(np.argmin(off))
         if math.isfinite(off[nearest]) and (best is None or off[nearest] < best.off_mm):
@@ -132,7 +137,11 @@ def _misfits(shapes: tuple[PatchShape, ...], others: tuple[PatchShape, ...], tur
 
 def _fewest_differences(pattern: Pattern, ways: list[list[int]]) -> int | None:
     """The smallest Hamming distance between ids of one team, over all ways in which the patches lie on themselves."""
-    worn = [colors for team, _, colors in looks(pattern) if team is Team.BLUE]
+    worn = [
+        tuple(zip(colors, pattern.shapes_worn(number), strict=True))
+        for team, number, colors in looks(pattern)
+        if team is Team.BLUE
+    ]
     fewest: int | None = None
     for i, one in enumerate(worn):
         for other in worn[:i]:

@@ -18,7 +18,7 @@ def marker_svg(pattern: Pattern, team: Team, marker_id: int) -> str:
         if pattern.robot.outline == "square"
         else f'<circle r="{half:g}" fill="{GROUND}"/>'
     ]
-    for patch, color in zip(pattern.patches, pattern.colors_worn(team, marker_id), strict=True):
+    for patch, color in zip(pattern.layout(marker_id), pattern.colors_worn(team, marker_id), strict=True):
         paint = _paint(color)
         if patch.circle_mm is not None:
             forward, left, diameter = patch.circle_mm

@@ -194,16 +194,18 @@ def crosses_itself(corners_mm: Polygon) -> bool:
     return False
 
 
-def turns_onto_itself(shapes: Sequence[PatchShape]) -> list[tuple[float, list[int]]]:
-    """Turns [rad] that lay a set of patches on itself, each with the new place of every patch; the turn 0 comes first.
+def turns_onto(shapes: Sequence[PatchShape], others: Sequence[PatchShape]) -> list[tuple[float, list[int]]]:
+    """Turns [rad] that lay a set of patches on another one, each with the place of every patch in it; 0 comes first.
 
     A camera does not see the robot's center, so patches turn round their common center of area. Concentric discs
     coincide after any turn; half a turn then represents all of them.
     """
-    middle = np.array(middle_mm(shapes))
-    found = [(0.0, list(range(len(shapes))))]
-    for turn in _candidate_turns(shapes, middle):
-        places = [_place_of(shape, turn, middle, shapes) for shape in shapes]
+    middle, other_middle = np.array(middle_mm(shapes)), np.array(middle_mm(others))
+    if len(shapes) != len(others):
+        return []
+    found = []
+    for turn in _candidate_turns(shapes, others, middle, other_middle):
+        places = [_place_of(shape, turn, middle, others, other_middle) for shape in shapes]
         if None not in places:
             found.append((turn, [place for place in places if place is not None]))
     return found
@@ -215,30 +217,41 @@ def turned_mm(points_mm: Floats, turn_rad: float, middle_mm: Floats) -> Floats:
     return turned
 
 
-def misfit_mm(shape: PatchShape, other: PatchShape, turn_rad: float, middle: Floats) -> float:
-    """Largest distance between the edge of one patch, turned round a point, and that of another."""
-    there = np.abs(depth_mm(other, turned_mm(rim_mm(shape), turn_rad, middle))).max()
-    back = np.abs(depth_mm(shape, turned_mm(rim_mm(other), -turn_rad, middle))).max()
+def misfit_mm(shape: PatchShape, other: PatchShape, turn_rad: float, middle: Floats, other_middle: Floats) -> float:
+    """Largest distance between the edge of one patch, turned round a point that comes to another one, and another's."""
+    shift = other_middle - middle
+    there = np.abs(depth_mm(other, turned_mm(rim_mm(shape), turn_rad, middle) + shift)).max()
+    back = np.abs(depth_mm(shape, turned_mm(rim_mm(other), -turn_rad, other_middle) - shift)).max()
     return float(max(there, back))
 
 
-def _candidate_turns(shapes: Sequence[PatchShape], middle: Floats) -> list[float]:
+def _candidate_turns(
+    shapes: Sequence[PatchShape], others: Sequence[PatchShape], middle: Floats, other_middle: Floats
+) -> list[float]:  # fmt: skip
     """Turns that lay some landmark on another one: patch centers, or corners when all patches share one center."""
-    landmarks = np.array([centroid_mm(shape) for shape in shapes]) - middle
+    landmarks, targets = (
+        np.array([centroid_mm(shape) for shape in part]) - center
+        for part, center in ((shapes, middle), (others, other_middle))
+    )
     if np.hypot(*landmarks.T).max() < SAME_MM:
-        corners = [_corners(shape) for shape in shapes if shape.polygon_mm is not None]
-        if not corners:
-            return [math.pi]
-        landmarks = np.concatenate(corners) - middle
-    radii, bearings = np.hypot(*landmarks.T), np.arctan2(landmarks[:, 1], landmarks[:, 0])
-    first = int(np.argmax(radii))
-    turns = (bearings[np.abs(radii - radii[first]) < SAME_MM] - bearings[first]) % math.tau
-    least = SAME_MM / radii[first]
-    return sorted({round(turn, 6) for turn in turns.tolist() if least < turn < math.tau - least})
+        corners, goals = (
+            [_corners(shape) for shape in part if shape.polygon_mm is not None] for part in (shapes, others)
+        )
+        if not corners or not goals:
+            return [0.0, math.pi]
+        landmarks, targets = np.concatenate(corners) - middle, np.concatenate(goals) - other_middle
+    first = landmarks[int(np.argmax(np.hypot(*landmarks.T)))]
+    radius, radii = math.hypot(*first), np.hypot(*targets.T)
+    bearings = np.arctan2(targets[:, 1], targets[:, 0]) - math.atan2(first[1], first[0])
+    turns = bearings[np.abs(radii - radius) < SAME_MM] % math.tau
+    least = SAME_MM / radius
+    return sorted({round(turn, 6) if least < turn < math.tau - least else 0.0 for turn in turns.tolist()})
 
 
-def _place_of(shape: PatchShape, turn: float, middle: Floats, shapes: Sequence[PatchShape]) -> int | None:
-    misfits = [misfit_mm(shape, other, turn, middle) for other in shapes]
+def _place_of(
+    shape: PatchShape, turn: float, middle: Floats, others: Sequence[PatchShape], other_middle: Floats
+) -> int | None:  # fmt: skip
+    misfits = [misfit_mm(shape, other, turn, middle, other_middle) for other in others]
     best = int(np.argmin(misfits))
     return best if misfits[best] < SAME_MM else None
 

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from vision_core.models.from_settings import robots_of
-from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.worn import worn_patterns
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
@@ -16,9 +15,10 @@ def match_warnings(settings: Settings, place_of: Callable[[str], str]) -> Iterat
     """
     numbers = settings.match.numbers
     for team in Team:
-        pattern = load_pattern(robots_of(settings.robots, team).pattern)
-        known = sorted(pattern.code_by_id)
-        has = f"pattern {pattern.name!r} of team {team} has {_listed(known)}"
+        patterns = worn_patterns(settings.robots, team)
+        known = sorted(number for pattern in patterns for number in pattern.code_by_id)
+        names = " and ".join(repr(pattern.name) for pattern in patterns)
+        has = f"pattern {names} of team {team} has {_listed(known)}"
         ids = settings.match.blue_ids if team is Team.BLUE else settings.match.yellow_ids
         if numbers > len(known):
             yield f"{place_of('match.numbers')}: match.numbers is {numbers}, but {has} alone"

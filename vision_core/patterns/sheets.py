@@ -104,7 +104,7 @@ class _Sheets:
             pdf.rect(x, y, side, side, style="DF")
         else:
             pdf.ellipse(x, y, side, side, style="DF")
-        for patch, color in zip(pattern.patches, pattern.colors_worn(team, number), strict=True):
+        for patch, color in zip(pattern.layout(number), pattern.colors_worn(team, number), strict=True):
             pdf.set_fill_color(*_rgb(pattern, color))
             if patch.circle_mm is not None:
                 forward, left, diameter = patch.circle_mm

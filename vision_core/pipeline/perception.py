@@ -29,8 +29,8 @@ from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.patterns.geometry import width_mm
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.pattern import CODE, TEAM, Pattern
+from vision_core.patterns.worn import worn_patterns
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable, References
 from vision_core.types.image import ImageFrame
@@ -218,7 +218,7 @@ class Perception:
     def _context(self) -> PerceptionContext:
         settings = self.settings
         shapes = [robots_of(settings.robots, team) for team in TEAMS]
-        patterns = {name: load_pattern(name) for name in {shape.pattern for shape in shapes}}
+        patterns = {pattern.name: pattern for team in TEAMS for pattern in worn_patterns(settings.robots, team)}
         table = self._colors.table
         robots = robot_finder(settings, table)
         colors = {color for pattern in patterns.values() for color in _colors_of(pattern)}
@@ -242,7 +242,7 @@ class Perception:
 
     def _smallest_px(self, patterns: Iterable[Pattern]) -> float:
         """Diameter of the smallest object that is searched for, where the image's scale is smallest [px]."""
-        patches = [width_mm(patch) / MM_PER_M for pattern in patterns for patch in pattern.patches]
+        patches = [width_mm(patch) / MM_PER_M for pattern in patterns for layout in pattern.layouts for patch in layout]
         smallest_m = min(*patches, 2.0 * self.settings.ball.radius_m)
         x, y = accepted_half_extent(self.settings.field)
         corners = np.array([(0.0, 0.0), (x, y), (x, -y), (-x, y), (-x, -y)])

@@ -280,16 +280,35 @@ class RobotShape(Record, frozen=True):
     height_m: Annotated[float, Meta(ge=0.0, le=2.0, description="of the markers over the floor")]
 
 
-class TeamRobotSettings(RobotShape, frozen=True):
+PatternIds = Annotated[
+    tuple[tuple[int, ...], ...],
+    Meta(max_length=4, description="where pattern is a list: the ids that are worn of each; empty: all"),
+]
+
+
+class WornSettings(RobotShape, frozen=True):
+    """What robots wear."""
+
+    pattern: Annotated[
+        str | Annotated[tuple[str, ...], Meta(min_length=1, max_length=4)],
+        Meta(description="file in config/patterns, without its ending; a list: robots of a team wear different ones"),
+    ]
+
+    @property
+    def patterns(self) -> tuple[str, ...]:
+        """The names of all patterns that the robots wear."""
+        return (self.pattern,) if isinstance(self.pattern, str) else self.pattern
+
+
+class TeamRobotSettings(WornSettings, frozen=True):
     """The robots of a team that has its own."""
 
-    pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
+    pattern_ids: PatternIds = ()
 
 
-class RobotSettings(RobotShape, frozen=True):
+class RobotSettings(WornSettings, frozen=True):
     """Robots and how they are recognized."""
 
-    pattern: Annotated[str, Meta(description="file in config/patterns, without its ending")]
     min_area: Annotated[float, Meta(gt=0.0, description="smallest area of a dot as a share of the predicted one")]
     max_area: Annotated[float, Meta(gt=0.0)]
     margin_m: Annotated[float, Meta(ge=-1.0, le=5.0, description="how far outside the walls or limits robots may be")]
@@ -304,6 +323,7 @@ class RobotSettings(RobotShape, frozen=True):
         ),
     ]
     polygon_floor_px: Annotated[float, Meta(ge=0.001, le=5.0, description="the same for other patches")]
+    pattern_ids: PatternIds
     blue: TeamRobotSettings | None = None
     yellow: TeamRobotSettings | None = None
 

@@ -167,7 +167,9 @@ def _pattern_layers(robots: Table) -> list[Layer]:
     """Outline, size and height of the robots, as the files of their patterns give them."""
     layers = []
     for path, table in (((), robots), *(((team,), robots.get(team)) for team in ("blue", "yellow"))):
-        if isinstance(table, dict) and isinstance(name := table.get("pattern"), str):
+        names = table.get("pattern") if isinstance(table, dict) else None
+        name = names[0] if isinstance(names, list) and names else names  # of several, the first one has the body
+        if isinstance(name, str):
             pattern = read_layer(find_file("patterns", name))
             body = nested({".".join(("robots", *path)): pattern.table.get("robot", {})})
             layers.append(Layer(pattern.name, body, kind=LayerKind.PATTERN))
@@ -251,13 +253,21 @@ def _rename(layer: Layer) -> None:
         log.warning("%s is now called %s (%s)", old, new, where)
 
 
+def _absolute(name: Any, folder: Path) -> Any:
+    return str(folder / name) if isinstance(name, str) and name.endswith(".toml") else name
+
+
 def _make_absolute(table: Table, folder: Path) -> None:
     """Make relative names of files absolute, from the folder of the file that they stand in."""
     for key in FILE_NAMES:
         *parents, last = key.split(".")
         _, parent = lookup(table, parents)
-        if isinstance(parent, dict) and isinstance(name := parent.get(last), str) and name.endswith(".toml"):
-            parent[last] = str(folder / name)
+        if not isinstance(parent, dict) or last not in parent:
+            continue
+        names = parent[last]
+        parent[last] = (
+            [_absolute(name, folder) for name in names] if isinstance(names, list) else _absolute(names, folder)
+        )
     _, source = lookup(table, ["source"])
     if isinstance(source, dict) and re.match("file:.", uri := str(source.get("uri", ""))):
         source["uri"] = f"file:{folder / uri.removeprefix('file:')}"

@@ -1,6 +1,6 @@
 """Robots as solids that wear their markers."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 import viser
@@ -9,9 +9,9 @@ from app.web.view3d.solids import CIRCLE_STEPS, circle_m, flattened, square_m, u
 from vision_core.geometry import Floats
 from vision_core.models.from_settings import robots_of
 from vision_core.models.mirror import MM_PER_M
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
-from vision_core.patterns.pattern import Pattern
+from vision_core.patterns.pattern import Patch
+from vision_core.patterns.worn import pattern_with_id, worn_patterns
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.edges import BLUE_RGB, YELLOW_RGB
 from vision_core.types.objects import Team
@@ -35,7 +35,7 @@ class Robots3D:
     def __init__(self, scene: viser.SceneApi, settings: Settings) -> None:
         self._scene = scene
         self._shapes = {team: robots_of(settings.robots, team) for team in Team}
-        self._patterns = {team: load_pattern(shape.pattern) for team, shape in self._shapes.items()}
+        self._patterns = {team: worn_patterns(settings.robots, team) for team in Team}
         self._nodes: dict[Key, viser.FrameHandle] = {}
 
     def show(self, robots: tuple[RobotTrack, ...]) -> None:
@@ -65,10 +65,9 @@ class Robots3D:
         return node
 
     def _add_marker(self, name: str, team: Team, marker_id: int, shape: TeamRobotSettings) -> None:
-        pattern = self._patterns[team]
-        if marker_id not in pattern.code_by_id:
+        if (pattern := pattern_with_id(self._patterns[team], marker_id)) is None:
             return
-        outlines = _patch_outlines(pattern)
+        outlines = _patch_outlines(pattern.layout(marker_id))
         for number, (outline, color) in enumerate(zip(outlines, pattern.colors_worn(team, marker_id), strict=True)):
             bottom_m = shape.height_m - PATCH_THICKNESS_M
             top_m = shape.height_m + (number + 1) * 1e-4  # patches that overlap must not flicker
@@ -102,10 +101,10 @@ def _ssl_outline(radius_m: float) -> Floats:
     return flattened(circle_m(radius_m), FRONT_SHARE * radius_m)
 
 
-def _patch_outlines(pattern: Pattern) -> list[Floats]:
+def _patch_outlines(worn: Iterable[Patch]) -> list[Floats]:
     """The outline of each patch [m]."""
     found = []
-    for patch in pattern.patches:
+    for patch in worn:
         if patch.circle_mm is not None:
             x, y, diameter = (number / MM_PER_M for number in patch.circle_mm)
             found.append(circle_m(diameter / 2.0, (x, y)))

@@ -11,7 +11,7 @@ from tests.objects.finding import SHIPPED
 from vision_core.errors import SettingsError
 from vision_core.objects.robots.markers import ANCHOR_ROLE, NO_DIGIT, Marker, marker_of
 from vision_core.patterns.loader import load_pattern
-from vision_core.patterns.pattern import Patch, Pattern
+from vision_core.patterns.pattern import Code, Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable
 from vision_core.types.objects import Team
@@ -43,7 +43,8 @@ def test_a_marker_that_repeats_never_determines_it() -> None:
     """Two dots of one class, on both sides of the center: half a turn changes nothing."""
     ssl = load_pattern("ssl-standard")
     sides = tuple(Patch(color="pink", circle_mm=(0.0, y, 40.0)) for y in (50.0, -50.0))
-    made = marker(msgspec.structs.replace(ssl, patches=(ssl.patches[0], *sides)))
+    code = Code(colors=(), ids={"1": ""})
+    made = marker(msgspec.structs.replace(ssl, patches=(ssl.patches[0], *sides), code=code))
     assert made.min_slots_for_heading == 3 > len(made.slots_m)
 
 
@@ -63,7 +64,7 @@ def test_patches_are_as_drawn(name: str) -> None:
 def test_the_standard_marker_in_numbers() -> None:
     made = marker(load_pattern("ssl-standard"))
     assert made.anchor_area_m2 == pytest.approx(math.pi * 0.025**2)
-    assert made.areas_m2 == pytest.approx(np.full(4, math.pi * 0.02**2))
+    assert made.areas_m2 == pytest.approx(np.full((4, 2), math.pi * 0.02**2))
     assert np.hypot(*made.slots_m.T) == pytest.approx(np.full(4, 0.065), abs=1e-5)
     assert sorted(made.codes) == list(range(16))
     assert made.place_values.tolist() == [1, 2, 4, 8]

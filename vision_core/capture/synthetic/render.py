@@ -1,6 +1,7 @@
 """Renders a snapshot of the world into an image."""
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,9 @@ from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import robots_of
-from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.paints import PAINTS_BGR
-from vision_core.patterns.pattern import Pattern
+from vision_core.patterns.pattern import Patch, Pattern
+from vision_core.patterns.worn import pattern_with_id, worn_patterns
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
@@ -53,7 +54,7 @@ class Renderer:
         self._shadows = settings.synthetic.shadows
         self._ball_radius_m = settings.ball.radius_m
         self._ball_color = np.array(_paint_bgr(settings.ball.color, "ball.color"), dtype=np.float64)
-        patterns = {team: load_pattern(robots_of(settings.robots, team).pattern) for team in Team}
+        patterns = {team: worn_patterns(settings.robots, team) for team in Team}
         self._robot_prisms = [_robot_prism(settings, patterns[team], team, worn_id) for team, worn_id in markers]
 
     def draw(self, pixels: Bytes, scene: Snapshot) -> None:
@@ -127,28 +128,28 @@ def _samples(exposure_s: float) -> Floats:
     return np.column_stack([u.ravel(), v.ravel(), times.ravel()])
 
 
-def _robot_prism(settings: Settings, pattern: Pattern, team: Team, worn_id: int) -> Prism:
+def _robot_prism(settings: Settings, patterns: tuple[Pattern, ...], team: Team, worn_id: int) -> Prism:
     """The prism of a robot: its body with the patches of its marker."""
-    if worn_id not in pattern.code_by_id:
+    if (pattern := pattern_with_id(patterns, worn_id)) is None:
         raise SourceError(
             f"synthetic: {team} robot with marker id {worn_id}",
-            found=f"no such id in pattern {pattern.name}",
-            accepted=", ".join(pattern.code.ids),
+            found=f"no such id in pattern {', '.join(pattern.name for pattern in patterns)}",
+            accepted=", ".join(key for pattern in patterns for key in pattern.code.ids),
         )
     colors = pattern.colors_worn(team, worn_id)
     paints = [PLATE_BGR, BODY_BGR, *(_paint_bgr(color, f"pattern {pattern.name}") for color in colors)]
-    patches, corners = _patches(pattern)
+    patches, corners = _patches(pattern.layout(worn_id))
     shape = robots_of(settings.robots, team)
     square = shape.outline == "square"
     front = math.inf if square else FRONT_RADII * shape.radius_m
     return Prism(shape.radius_m, front, square, shape.height_m, np.array(paints, dtype=np.float64), patches, corners)
 
 
-def _patches(pattern: Pattern) -> tuple[Floats, Floats]:
+def _patches(worn: Iterable[Patch]) -> tuple[Floats, Floats]:
     """Patches and corners of a ``Prism``."""
     rows: list[tuple[float, ...]] = []
     corners: list[tuple[float, float]] = []
-    for patch in pattern.patches:
+    for patch in worn:
         if patch.circle_mm is not None:
             x, y, diameter = patch.circle_mm
             rows.append((x / 1e3, y / 1e3, diameter / 2.0 / 1e3, 0, 0))

@@ -8,11 +8,9 @@ import msgspec
 import numpy as np
 
 from vision_core.errors import SettingsError
-from vision_core.models.from_settings import robots_of
 from vision_core.objects.robots.buffers import FinderBuffers, finder_buffers
-from vision_core.objects.robots.finder import RobotFinder, gates_from, robot_finder
-from vision_core.objects.robots.markers import marker_of
-from vision_core.objects.robots.scene import Scene, counted
+from vision_core.objects.robots.finder import RobotFinder, gates_from, markers_of, robot_finder
+from vision_core.objects.robots.scene import Scene, counted, patterns_of
 from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.pattern import Pattern, mirrored, scaled
 from vision_core.settings.schema import Settings, TeamRobotSettings
@@ -39,8 +37,7 @@ def mirror_reason(scene: Scene, robots: Table, settings: Settings) -> Reason | N
     robots: those that are found, ROBOT. A pattern that has a mirrored marker of another id for each marker shows it by
     the ids that the match gives to its robots.
     """
-    buffers = finder_buffers(settings.blobs.max_blobs)
-    found = scene.robots(_finder_of(mirrored, scene, settings, buffers))
+    found = scene.robots(_finder_of(mirrored, scene, settings))
     read, read_mirrored = (table[table["id"] != NO_ID] for table in (robots, found))
     text = "this picture is a mirror image"
     advice = "Switch off mirroring (flip) in the camera's driver, or in the program that saves its pictures."
@@ -89,8 +86,13 @@ def better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Cal
 
 
 def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tuple[Reason, RobotFinder]]:
-    """For every shipped pattern whose colors are classes of this venue: a finder, and its reason's first words."""
-    own = {robots_of(settings.robots, team).pattern for team in TEAMS}
+    """For every shipped pattern whose colors are classes of this venue: a finder, and its reason's first words.
+
+    None where a team wears several patterns.
+    """
+    own = patterns_of(settings)
+    if len(own) > len(TEAMS):
+        return
     for path in sorted((config_folder() / "patterns").glob("*.toml")):
         if path.stem in own:
             continue
@@ -107,7 +109,7 @@ def _finders_of_other_patterns(scene: Scene, settings: Settings) -> Iterator[tup
 
 def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[Reason, RobotFinder]]:
     """A finder for markers that look larger or smaller than they are, as a wrong camera height makes them."""
-    buffers = finder_buffers(settings.blobs.max_blobs)
+    buffers = finder_buffers(settings.blobs.max_blobs, len(patterns_of(settings)))
     for factor in SCALES:
         area = f"blobs have {factor**2:.1f} times the expected area"
         text = f"wrong camera height or field size? The {area}; with markers {factor:.2f} times as large"
@@ -116,17 +118,11 @@ def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[
 
 
 def _finder_of(
-    change: Callable[[Pattern], Pattern], scene: Scene, settings: Settings, buffers: FinderBuffers
+    change: Callable[[Pattern], Pattern], scene: Scene, settings: Settings, buffers: FinderBuffers | None = None
 ) -> RobotFinder:  # fmt: skip
-    """A finder of the venue's markers, changed."""
-    blue, yellow = (
-        marker_of(
-            change(load_pattern(robots.pattern)), robots, team, number, scene.table, settings.robots.dot_tolerance_m
-        )
-        for number, team in enumerate(TEAMS)
-        for robots in [robots_of(settings.robots, team)]
-    )
-    return RobotFinder((blue, yellow), gates_from(settings), buffers)
+    """A finder of the venue's markers, changed. buffers: None for new ones."""
+    markers = markers_of(settings, scene.table, change)
+    return RobotFinder(markers, gates_from(settings), buffers or finder_buffers(settings.blobs.max_blobs, len(markers)))
 
 
 def _gain(robots: Table) -> float:

@@ -31,13 +31,18 @@ HYPOTHESIS = np.dtype(
     [
         ("score", np.float64), ("x_m", np.float64), ("y_m", np.float64), ("heading_rad", np.float64),
         ("heading_stiffness_m", np.float64), ("exclusion_radius_m", np.float64), ("misfit", np.float64),
-        ("team", np.int32), ("anchor", np.int32), ("matched", np.int32), ("shape_evidence", np.int32),
-        ("slot_blobs", np.int32, (MAX_SLOTS,)),
+        ("explained_px", np.float64), ("team", np.int32), ("marker", np.int32), ("anchor", np.int32),
+        ("matched", np.int32), ("shape_evidence", np.int32), ("slot_blobs", np.int32, (MAX_SLOTS,)),
+        ("shapes", np.int8, (MAX_SLOTS,)), ("rival_shapes", np.int8, (MAX_SLOTS,)),
+        ("shape_margins", np.float32, (MAX_SLOTS,)), ("shape_leans", np.float32, (MAX_SLOTS,)),
+        ("shape_misfits", np.float32, (MAX_SLOTS,)),
     ]
 )  # fmt: skip
 """A way to see a robot: score 0..1, pose, how firmly the anchor's shape holds the heading (``heading_sd``), radius in
-which no other robot can stand, sum of the squared residuals over the squared tolerance, number of the team, anchor
-blob, slots with a blob, what the anchor's shape contributes, and the blob in each slot (NO_BLOB: none)."""
+which no other robot can stand, sum of the squared residuals over the squared tolerance, pixels that it explains (where
+a team has several markers, see ``marker_weighing``), numbers of the team and of the marker, anchor blob, slots with a
+blob, what the anchor's shape contributes, and the blob in each slot (NO_BLOB: none). Of a robot whose slots have one of
+the code's shapes: the best one, the second best, and how sure that is (``shape_reading``)."""
 
 NEIGHBOR = np.dtype(
     [("x_m", np.float64), ("y_m", np.float64), ("area_scores", np.float64, (MAX_SLOTS,)), ("blob", np.int64)]
@@ -67,7 +72,7 @@ class FinderBuffers(NamedTuple):
     """Filled anew for every frame."""
 
     places: Floats
-    """x, y at marker height [m] and area [m^2] of each blob, for each team; shape (2, blobs, 3)."""
+    """x, y at marker height [m] and area [m^2] of each blob, for each marker; shape (markers, blobs, 3)."""
     listed: NDArray[np.int32]
     """Blobs that may belong to a team's robot, shape (blobs,)."""
     cell_heads: NDArray[np.int32]
@@ -90,6 +95,8 @@ class FinderBuffers(NamedTuple):
     """Hypotheses that are robots, shape (64,)."""
     ambiguous: Mask
     """Whether their headings are, shape (64,)."""
+    alike: Mask
+    """Whether another marker of the same team explains the robot about as well, shape (64,)."""
     unsure: Mask
     """Whether a robot's blobs do not tell its id for sure, shape (64,)."""
     centers: Floats
@@ -104,10 +111,10 @@ class FinderBuffers(NamedTuple):
     """Robots before they are ordered, shape (64,)."""
 
 
-def finder_buffers(max_blobs: int) -> FinderBuffers:
-    """Buffers for frames of at most so many blobs."""
+def finder_buffers(max_blobs: int, markers: int) -> FinderBuffers:
+    """Buffers for frames of at most so many blobs, and so many markers of both teams."""
     return FinderBuffers(
-        places=np.zeros((2, max_blobs, 3)),
+        places=np.zeros((markers, max_blobs, 3)),
         listed=np.zeros(max_blobs, dtype=np.int32),
         cell_heads=np.full((GRID_CELLS, GRID_CELLS), NO_BLOB, dtype=np.int32),
         next_in_cell=np.zeros(max_blobs, dtype=np.int32),
@@ -119,6 +126,7 @@ def finder_buffers(max_blobs: int) -> FinderBuffers:
         used=np.zeros(max_blobs, dtype=np.bool_),
         selected=np.zeros(MAX_ROBOTS, dtype=np.int32),
         ambiguous=np.zeros(MAX_ROBOTS, dtype=np.bool_),
+        alike=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         unsure=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         centers=np.zeros((1 + MAX_SLOTS, 3)),
         circle=circle_buffer(),

@@ -22,6 +22,8 @@ RIVAL_SCORE = 0.8
 RIVAL_TURN_RAD = math.radians(10.0)
 """A hypothesis with the same anchor makes the selected one's heading ambiguous when it has as many patches, at least
 this share of its score, and a heading at least so different."""
+MIN_MORE_PX = 4.0
+"""Pixels that a marker must explain beyond what another one of the same team explains, if both explain it well."""
 
 
 @kernel
@@ -40,14 +42,18 @@ def select_non_overlapping(count: int, buffers: FinderBuffers) -> int:
         same_anchor = _selected_with_anchor(hypothesis, hypotheses, buffers.selected, selected)
         if same_anchor >= 0:
             # the anchor is a robot already: this one is at most a rival for its heading
-            if _is_rival(hypothesis, hypotheses[buffers.selected[same_anchor]]):
-                buffers.ambiguous[same_anchor] = True
+            winner = hypotheses[buffers.selected[same_anchor]]
+            if hypothesis.marker == winner.marker:
+                buffers.ambiguous[same_anchor] |= _is_rival(hypothesis, winner)
+            elif _is_alike(hypothesis, winner):
+                buffers.alike[same_anchor] = True
+                buffers.ambiguous[same_anchor] |= _is_turned(hypothesis, winner)
         elif (
             selected < MAX_ROBOTS
             and _has_free_blobs(hypothesis, used)
             and _has_free_space(hypothesis, hypotheses, buffers.selected, selected)
         ):
-            buffers.selected[selected], buffers.ambiguous[selected] = number, False
+            buffers.selected[selected], buffers.ambiguous[selected], buffers.alike[selected] = number, False, False
             selected += 1
             _mark_blobs(hypothesis, used, True)
     return selected
@@ -100,8 +106,19 @@ def _is_rival(hypothesis: Row, selected: Row) -> bool:
     """Whether a hypothesis explains the same anchor about as well with another heading."""
     if hypothesis.matched == 0 or hypothesis.matched < selected.matched:
         return False
-    if hypothesis.score < RIVAL_SCORE * selected.score:
-        return False
+    return hypothesis.score >= RIVAL_SCORE * selected.score and _is_turned(hypothesis, selected)
+
+
+@kernel
+def _is_alike(hypothesis: Row, selected: Row) -> bool:
+    """Whether another marker explains about as many pixels round the same anchor."""
+    few = hypothesis.explained_px > selected.explained_px - MIN_MORE_PX
+    alike: bool = few and hypothesis.score >= RIVAL_SCORE * selected.score
+    return alike
+
+
+@kernel
+def _is_turned(hypothesis: Row, selected: Row) -> bool:
     turned: bool = abs(wrap_angle(hypothesis.heading_rad - selected.heading_rad)) > RIVAL_TURN_RAD
     return turned
 

@@ -1,6 +1,7 @@
 """Robots by their markers: one compiled call from a frame's blobs to its robots."""
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +20,11 @@ from vision_core.objects.robots.marker_reading import (
     measure_patches,
     read_marker,
 )
+from vision_core.objects.robots.marker_weighing import weigh_hypotheses
 from vision_core.objects.robots.markers import Marker, marker_of
 from vision_core.objects.robots.pose_refinement import refine_pose
-from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import Pattern
+from vision_core.patterns.worn import colors_of_team, worn_patterns
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import NO_ID, TEAMS, Table
@@ -30,20 +33,31 @@ from vision_core.types.tables import NO_ID, TEAMS, Table
 class RobotFinder(NamedTuple):
     """What finding robots needs beside the frame. Kernels take it as one argument."""
 
-    markers: tuple[Marker, Marker]
-    """Of blue and yellow."""
+    markers: tuple[Marker, ...]
+    """Of blue, then of yellow; robots of a team may wear different ones."""
     gates: Gates
     buffers: FinderBuffers
 
 
 def robot_finder(settings: Settings, table: ColorTable) -> RobotFinder:
     """Make the finder of both teams' robots. Raises SettingsError for a wrong pattern or colors without a class."""
-    blue, yellow = (
-        marker_of(load_pattern(robots.pattern), robots, team, number, table, settings.robots.dot_tolerance_m)
-        for number, team in enumerate(TEAMS)
-        for robots in [robots_of(settings.robots, team)]
-    )
-    return RobotFinder((blue, yellow), gates_from(settings), finder_buffers(settings.blobs.max_blobs))
+    markers = markers_of(settings, table)
+    return RobotFinder(markers, gates_from(settings), finder_buffers(settings.blobs.max_blobs, len(markers)))
+
+
+def markers_of(
+    settings: Settings, table: ColorTable, change: Callable[[Pattern], Pattern] = lambda pattern: pattern
+) -> tuple[Marker, ...]:
+    """The markers of both teams, blue's first, with changed patterns. Raises SettingsError as ``robot_finder``."""
+    found: list[Marker] = []
+    for team in TEAMS:
+        robots, tolerance_m = robots_of(settings.robots, team), settings.robots.dot_tolerance_m
+        colors = np.isin(table.names, list(colors_of_team(settings.robots, team)))
+        found += [
+            marker_of(change(pattern), robots, team, len(found) + place, table, tolerance_m, colors)
+            for place, pattern in enumerate(worn_patterns(settings.robots, team))
+        ]
+    return tuple(found)
 
 
 def gates_from(settings: Settings) -> Gates:
@@ -72,20 +86,24 @@ def find_robots(seen: Observation, finder: RobotFinder, robots: Table) -> int:
     for marker in markers:
         listed = locate_blobs(seen, marker, gates, buffers)
         count = generate_hypotheses(seen, listed, marker, gates, buffers, count)
+    if len(markers) > len(TEAMS):
+        weigh_hypotheses(seen, markers, buffers, count)
     selected = select_non_overlapping(count, buffers)
     for number in range(selected):
         hypothesis = buffers.hypotheses[buffers.selected[number]]
         refine_pose(
-            seen, markers[hypothesis.team], gates, buffers, hypothesis, buffers.ambiguous[number],
+            seen, markers[hypothesis.marker], gates, buffers, hypothesis, buffers.ambiguous[number],
             buffers.found[number],
         )  # fmt: skip
+        if buffers.alike[number]:
+            buffers.found[number].id = NO_ID
     _read_markers(seen, markers, buffers, selected)
     _order(buffers.found, selected, robots)
     return selected
 
 
 @kernel
-def _read_markers(seen: Observation, markers: tuple[Marker, Marker], buffers: FinderBuffers, count: int) -> None:
+def _read_markers(seen: Observation, markers: tuple[Marker, ...], buffers: FinderBuffers, count: int) -> None:
     """Ids of robots that their blobs do not tell for sure: those read already show what the paints look like.
 
     Where the blobs tell all ids, the usual frame, nothing is measured.
@@ -95,9 +113,10 @@ def _read_markers(seen: Observation, markers: tuple[Marker, Marker], buffers: Fi
     found, patches, learned = buffers.found, buffers.patches, buffers.learned
     learned[:] = 0.0
     for one in range(count):
-        marker = markers[found[one].team]
+        hypothesis = buffers.hypotheses[buffers.selected[one]]
+        marker = markers[hypothesis.marker]
         buffers.unsure[one] = False
-        if not marker.has_code or math.isnan(found[one].heading_rad):
+        if not marker.has_code or math.isnan(found[one].heading_rad) or buffers.alike[one]:
             continue
         measure_patches(seen, marker, found[one], patches[one])
         buffers.unsure[one] = found[one].id == NO_ID or is_doubtful(marker, patches[one])
@@ -105,24 +124,28 @@ def _read_markers(seen: Observation, markers: tuple[Marker, Marker], buffers: Fi
             learn_references(marker, found[one].id, patches[one], learned)
     for one in range(count):
         if buffers.unsure[one]:
-            number = read_marker(markers[found[one].team], patches[one], learned, found[one].id)
+            hypothesis = buffers.hypotheses[buffers.selected[one]]
+            marker = markers[hypothesis.marker]
+            number, certainty = read_marker(marker, hypothesis, patches[one], learned, found[one].id)
             if number != found[one].id:
                 found[one].id = NO_ID if _is_taken(found, count, one, number) else number
+                found[one].confidence *= certainty
 
 
 @kernel
 def _is_one_unsure(
-    seen: Observation, markers: tuple[Marker, Marker], buffers: FinderBuffers, count: int
+    seen: Observation, markers: tuple[Marker, ...], buffers: FinderBuffers, count: int
 ) -> bool:  # fmt: skip
     """Has a robot with a heading no id, or a patch whose middle has two saturated channels?"""
     for one in range(count):
         robot = buffers.found[one]
-        if not markers[robot.team].has_code or math.isnan(robot.heading_rad):
-            continue
         hypothesis = buffers.hypotheses[buffers.selected[one]]
+        marker = markers[hypothesis.marker]
+        if not marker.has_code or math.isnan(robot.heading_rad) or buffers.alike[one]:
+            continue
         if robot.id == NO_ID:
             return True
-        for slot in range(len(markers[robot.team].slots_m)):
+        for slot in range(len(marker.slots_m)):
             if is_overexposed(seen, hypothesis.slot_blobs[slot]):
                 return True
     return False

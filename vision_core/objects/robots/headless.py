@@ -10,7 +10,7 @@ import numpy as np
 from vision_core.geometry import Floats, rotation
 from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.objects.robots.finder import RobotFinder
-from vision_core.objects.robots.hypothesis_generation import area_score, locate_blobs
+from vision_core.objects.robots.hypothesis_generation import area_score, locate_blobs, slot_area_ratio
 from vision_core.objects.robots.markers import NO_DIGIT, SLOT_ROLE, Marker
 from vision_core.objects.robots.scene import Scene, side_of
 from vision_core.types.tables import TEAMS
@@ -58,12 +58,13 @@ def _free_patches(
     places, fits = [], []
     for blob in buffers.listed[:count].tolist():
         color = int(scene.blobs["color"][blob])
-        x_m, y_m, area_m2 = buffers.places[marker.team, blob].tolist()
+        x_m, y_m, area_m2 = buffers.places[marker.number, blob].tolist()
         is_near = len(taken_m) and np.hypot(*(taken_m - (x_m, y_m)).T).min() <= marker.radius_m
         if is_near or not marker.color_roles[color] & SLOT_ROLE:
             continue
         slots = [
-            marker.digits[slot, color] != NO_DIGIT and area_score(area_m2 / marker.areas_m2[slot], gates) > 0.0
+            marker.digits[slot, color] != NO_DIGIT
+            and area_score(slot_area_ratio(marker.areas_m2, slot, area_m2), gates) > 0.0
             for slot in range(len(marker.slots_m))
         ]
         if any(slots):

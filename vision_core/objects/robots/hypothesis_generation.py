@@ -3,7 +3,8 @@
 import math
 from typing import Any, TypeAlias
 
-from vision_core.models.camera_kernels import field_and_scale, field_from_pixel
+from vision_core.geometry import Floats
+from vision_core.models.camera_kernels import field_and_scale, field_steps
 from vision_core.native.kernels import kernel
 from vision_core.objects.field_limits import is_accepted
 from vision_core.objects.observation import Observation
@@ -50,11 +51,11 @@ share of it."""
 
 @kernel
 def locate_blobs(seen: Observation, marker: Marker, gates: Gates, buffers: FinderBuffers) -> int:
-    """List the blobs that may belong to a team's robot with their places on the field; how many there are.
+    """List the blobs that may belong to a robot with a marker with their places on the field; how many there are.
 
     Those that may fill a slot go into the grid, too.
     """
-    places, heads = buffers.places[marker.team], buffers.cell_heads
+    places, heads = buffers.places[marker.number], buffers.cell_heads
     for row in range(GRID_CELLS):
         for column in range(GRID_CELLS):
             heads[row, column] = NO_BLOB
@@ -107,15 +108,25 @@ def area_score(ratio: float, gates: Gates) -> float:
 
 
 @kernel
+def slot_area_ratio(areas_m2: Floats, slot: int, area_m2: float) -> float:
+    """An area over that of a slot's patch; 1 within the areas of the shapes that the patch may have.
+
+    areas_m2: of a Marker.
+    """
+    ratio: float = area_m2 / min(max(area_m2, areas_m2[slot, 0]), areas_m2[slot, 1])
+    return ratio
+
+
+@kernel
 def generate_hypotheses(
     seen: Observation, listed: int, marker: Marker, gates: Gates, buffers: FinderBuffers, count: int
 ) -> int:
-    """Append the hypotheses of a team to the first ``count``; the new count.
+    """Append the hypotheses of a marker to the first ``count``; the new count.
 
     The score is the coverage of the marker's painted area * (1 - (rms residual / tolerance)^2) * mean area score * how
     well the anchor's shape agrees with the heading. listed: result of ``locate_blobs``.
     """
-    places, hypotheses, assigned = buffers.places[marker.team], buffers.hypotheses, buffers.assigned
+    places, hypotheses, assigned = buffers.places[marker.number], buffers.hypotheses, buffers.assigned
     anchor_shape = buffers.anchor_shape[0]
     for slot in range(MAX_SLOTS):
         assigned[slot] = NO_BLOB
@@ -139,14 +150,14 @@ def generate_hypotheses(
                     buffers.neighbors, near, marker.slot_offsets_m, gates.tolerance_m, first, slot, assigned
                 ):
                     continue
-                record_blobs(buffers.neighbors, assigned, anchor, marker.team, hypothesis)
+                record_blobs(buffers.neighbors, assigned, anchor, marker.team, marker.number, hypothesis)
                 if is_duplicate(hypotheses, start, count):
                     continue
                 fit_and_score(
                     buffers.neighbors, marker.slot_offsets_m, marker.area_fractions, gates.tolerance_m, anchor_score,
                     assigned, hypothesis,
                 )  # fmt: skip
-                record_blobs(buffers.neighbors, assigned, anchor, marker.team, hypothesis)
+                record_blobs(buffers.neighbors, assigned, anchor, marker.team, marker.number, hypothesis)
                 if hypothesis.score >= gates.min_confidence:
                     # from the anchor's place to the robot's center
                     c, s = math.cos(hypothesis.heading_rad), math.sin(hypothesis.heading_rad)
@@ -168,13 +179,7 @@ def generate_hypotheses(
 def _measure_anchor_shape(seen: Observation, anchor: int, height_m: float, shape: Row) -> bool:
     """Measure the shape of an anchor blob; False if it cannot be measured."""
     blob = seen.blobs[anchor]
-    x, y = blob.x_px, blob.y_px
-    # derivative of the field's coordinates by the pixel's, at the blob's center
-    left_x, left_y = field_from_pixel(seen.camera, x - 1.0, y, height_m)
-    right_x, right_y = field_from_pixel(seen.camera, x + 1.0, y, height_m)
-    up_x, up_y = field_from_pixel(seen.camera, x, y - 1.0, height_m)
-    down_x, down_y = field_from_pixel(seen.camera, x, y + 1.0, height_m)
-    step = (0.5 * (right_x - left_x), 0.5 * (right_y - left_y), 0.5 * (down_x - up_x), 0.5 * (down_y - up_y))
+    step = field_steps(seen.camera, blob.x_px, blob.y_px, height_m)
     box = (blob.left, blob.top, blob.right, blob.bottom)
     return measure_shape(seen.pixels, seen.classes, blob.color, blob.area_px, box, step, shape)
 
@@ -182,7 +187,7 @@ def _measure_anchor_shape(seen: Observation, anchor: int, height_m: float, shape
 @kernel
 def gather_neighbors(seen: Observation, anchor: int, marker: Marker, gates: Gates, buffers: FinderBuffers) -> int:
     """List the blobs round an anchor that may fill a slot in ``buffers.neighbors``; how many there are."""
-    places, neighbors, cell = buffers.places[marker.team], buffers.neighbors, _max_reach_m(marker, gates)
+    places, neighbors, cell = buffers.places[marker.number], buffers.neighbors, _max_reach_m(marker, gates)
     x, y = places[anchor, 0], places[anchor, 1]
     nearest = max(marker.reach_m[0] - GATHER_TOLERANCES * gates.tolerance_m, 0.0)
     column, row = _grid_cell(x, cell), _grid_cell(y, cell)
@@ -201,7 +206,7 @@ def gather_neighbors(seen: Observation, anchor: int, marker: Marker, gates: Gate
                     for slot in range(len(marker.slots_m)):
                         score = 0.0
                         if marker.digits[slot, seen.blobs[blob].color] != NO_DIGIT:
-                            score = area_score(places[blob, 2] / marker.areas_m2[slot], gates)
+                            score = area_score(slot_area_ratio(marker.areas_m2, slot, places[blob, 2]), gates)
                         neighbor.area_scores[slot] = score
                         useful |= score > 0.0
                     count += useful
@@ -227,6 +232,7 @@ def _add_anchor_only(
     if score < gates.min_confidence:
         return 0
     hypothesis.team, hypothesis.anchor, hypothesis.matched = marker.team, anchor, 0
+    hypothesis.marker = marker.number
     hypothesis.shape_evidence = SHAPE_MEASURED if has_shape else NO_SHAPE
     hypothesis.heading_stiffness_m, hypothesis.heading_rad = 0.0, 0.0
     for slot in range(MAX_SLOTS):
@@ -234,7 +240,7 @@ def _add_anchor_only(
     # without a heading the robot is taken to be at its anchor
     offset = math.hypot(marker.anchor_m[0], marker.anchor_m[1])
     hypothesis.exclusion_radius_m = max(EXCLUSION * marker.radius_m - offset, 0.0)
-    hypothesis.x_m, hypothesis.y_m = buffers.places[marker.team, anchor, 0], buffers.places[marker.team, anchor, 1]
+    hypothesis.x_m, hypothesis.y_m = buffers.places[marker.number, anchor, 0], buffers.places[marker.number, anchor, 1]
     # where the anchor's shape shows the heading, the robot's center follows from it
     if has_shape and marker.min_slots_with_shape == 0:
         heading, best, alternative = heading_from_shape(marker.shape, shape)

@@ -23,6 +23,7 @@ from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.native.kernels import kernel
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.shape_reading import is_shape_sure
 from vision_core.types.colors import DARK_LEVEL
 from vision_core.types.tables import NO_ID
 
@@ -62,12 +63,7 @@ def measure_patches(seen: Observation, marker: Marker, robot: Row, patches: Floa
     Within one robot the camera is taken to be linear.
     """
     height, width, _ = seen.pixels.shape
-    arm = marker.radius_m
-    c, s = math.cos(robot.heading_rad), math.sin(robot.heading_rad)
-    x0, y0 = pixel_from_field(seen.camera, robot.x_m, robot.y_m, marker.height_m)
-    ahead_x, ahead_y = pixel_from_field(seen.camera, robot.x_m + c * arm, robot.y_m + s * arm, marker.height_m)
-    left_x, left_y = pixel_from_field(seen.camera, robot.x_m - s * arm, robot.y_m + c * arm, marker.height_m)
-    ax, ay, bx, by = (ahead_x - x0) / arm, (ahead_y - y0) / arm, (left_x - x0) / arm, (left_y - y0) / arm
+    x0, y0, ax, ay, bx, by = pixel_frame(seen, marker, robot.x_m, robot.y_m, robot.heading_rad)
     points = marker.patch_points_m
     for patch in range(len(points)):
         sums = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -77,6 +73,19 @@ def measure_patches(seen: Observation, marker: Marker, robot: Row, patches: Floa
             column, row = min(max(int(u + 0.5), 0), width - 1), min(max(int(v + 0.5), 0), height - 1)
             sums = _added(sums, seen.pixels, row, column)
         _summarize(sums, float(points.shape[1]), patches[patch])
+
+
+@kernel
+def pixel_frame(
+    seen: Observation, marker: Marker, x_m: float, y_m: float, heading_rad: float
+) -> tuple[float, float, float, float, float, float]:
+    """A robot's place in the picture [px], and how far ahead and to its left a metre reaches there [px/m]."""
+    arm = marker.radius_m
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    x0, y0 = pixel_from_field(seen.camera, x_m, y_m, marker.height_m)
+    ahead_x, ahead_y = pixel_from_field(seen.camera, x_m + c * arm, y_m + s * arm, marker.height_m)
+    left_x, left_y = pixel_from_field(seen.camera, x_m - s * arm, y_m + c * arm, marker.height_m)
+    return x0, y0, (ahead_x - x0) / arm, (ahead_y - y0) / arm, (left_x - x0) / arm, (left_y - y0) / arm
 
 
 @kernel
@@ -144,13 +153,17 @@ def learn_references(marker: Marker, number: int, patches: Floats, learned: Floa
 
 
 @kernel
-def read_marker(marker: Marker, patches: Floats, learned: Floats, by_blobs: int) -> int:
-    """The id whose paints explain a robot's patches best; NO_ID where that is not sure.
+def read_marker(
+    marker: Marker, hypothesis: Row, patches: Floats, learned: Floats, by_blobs: int
+) -> tuple[int, float]:  # fmt: skip
+    """The id whose paints explain a robot's patches best, NO_ID where that is not sure; and how likely it is, 0..1.
 
     by_blobs: the id that the blobs show, or NO_ID. It stays unless another one is as good, or clearly better.
     """
     best, second, best_row, misfit = math.inf, math.inf, 0, 0.0
     for row in range(len(marker.ids)):
+        if not _has_its_shapes(marker, row, hypothesis):
+            continue
         energy, worst = _energy_of(marker, row, patches, learned)
         if energy < best:
             second, best, best_row, misfit = best, energy, row, worst
@@ -158,10 +171,24 @@ def read_marker(marker: Marker, patches: Floats, learned: Floats, by_blobs: int)
             second = energy
     number, margin = int(marker.ids[best_row]), second - best
     if by_blobs != NO_ID:
-        return NO_ID if margin < ALIKE_MARGIN or (number != by_blobs and margin >= MIN_MARGIN) else by_blobs
-    if margin < MIN_MARGIN or misfit > MAX_MISFIT or _is_covered_or_clipped(marker, patches):
-        return NO_ID
-    return number
+        is_refuted = margin < ALIKE_MARGIN or (number != by_blobs and margin >= MIN_MARGIN)
+        return (NO_ID if is_refuted else by_blobs), 1.0
+    if not best < math.inf or margin < MIN_MARGIN or misfit > MAX_MISFIT or _is_covered_or_clipped(marker, patches):
+        return NO_ID, 1.0
+    return number, 1.0 / (1.0 + math.exp(-0.5 * margin))
+
+
+@kernel
+def _has_its_shapes(marker: Marker, row: int, hypothesis: Row) -> bool:
+    """Has a robot the shapes of the id of a row, for sure?"""
+    if not marker.has_shapes:
+        return True
+    details = marker.details.value
+    for slot in range(len(marker.slots_m)):
+        has_another = not is_shape_sure(hypothesis, slot) or hypothesis.shapes[slot] != details.shapes_worn[row, slot]
+        if details.shape_values[slot] > 0 and has_another:
+            return False
+    return True
 
 
 @kernel

@@ -27,18 +27,18 @@ MAX_HEIGHT_M = 50.0
 
 
 def size_reason(
-    scene: Scene, markers: tuple[Marker, Marker], seen: SeenRobots, height_m: float, *, is_floor_right: bool
+    scene: Scene, markers: tuple[Marker, ...], seen: SeenRobots, height_m: float, *, is_floor_right: bool
 ) -> Reason | None:  # fmt: skip
     """That all markers are larger or smaller in the picture than the calibration says; None where they are not.
 
     height_m: of the camera, by the calibration; is_floor_right: places on the floor are right whatever the height is.
     """
     sizes = [
-        (math.log(size), markers[row["team"]].height_m)
+        (math.log(size), markers[row["marker"]].height_m)
         for row in seen.hypotheses
-        if (size := _size_of(scene, markers[row["team"]], row)) is not None
+        if (size := _size_of(scene, markers[row["marker"]], row)) is not None
     ]
-    doubt = max((_doubt(scene, markers[row["team"]], row) for row in seen.hypotheses), default=0.0)
+    doubt = max((_doubt(scene, markers[row["marker"]], row) for row in seen.hypotheses), default=0.0)
     if len(sizes) < MIN_ROBOTS:
         return None
     logs = np.array([size for size, _ in sizes])

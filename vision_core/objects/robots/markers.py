@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats, Mask, frozen
+from vision_core.native.kernels import Boxed, box
+from vision_core.objects.robots.body_points import body_points_of
+from vision_core.objects.robots.code_shapes import CodeShapes, code_shapes
 from vision_core.objects.robots.shapes import (
     HEADING_STEPS,
     MIN_STEPS_APART,
@@ -23,6 +26,7 @@ from vision_core.patterns.pattern import CODE, TEAM, Patch, Pattern
 from vision_core.settings.schema import TeamRobotSettings
 from vision_core.types.colors import ColorTable, References
 from vision_core.types.objects import Team
+from vision_core.types.tables import TEAMS
 
 Integers = NDArray[np.int64]
 Points = NDArray[np.complex128]
@@ -42,9 +46,29 @@ MAX_ALTERNATIVE_SCORE = 0.7
 """The team patch's shape shows the heading by itself when all other headings score less."""
 
 
+class MarkerDetails(NamedTuple):
+    """What only some markers need, boxed: every array in a Marker costs time wherever one is handed on."""
+
+    shape_values: Integers
+    """Factor of each slot's shape in the code, 0 where all robots have the same shape; shape (s,)."""
+    shapes_worn: Integers
+    """Which of its shapes every slot of every robot has, or NO_SHAPE; shape (n, s)."""
+    code_shapes: CodeShapes
+    body_points_m: Floats
+    """Points all over the robot's top but not near the edges of patches, shape (p, 2)."""
+    body_patches: Integers
+    """In which patch each lies, 0 in the anchor, 1 in the first slot, or GROUND; shape (p,)."""
+    body_m2: float
+    """Area of the robot's top."""
+    team_colors: Mask
+    """Which classes patches of the team may have, by any of its markers; shape (classes,)."""
+
+
 class Marker(NamedTuple):
     """A pattern in robot space (x forward, y left) [m]: the team's patch is the anchor, the other patches are slots."""
 
+    number: int
+    """Among the markers of both teams."""
     team: int
     """Number of the team."""
     height_m: float
@@ -64,7 +88,7 @@ class Marker(NamedTuple):
     slot_offsets_m: Floats
     """The slots' places relative to the anchor, shape (s, 2)."""
     areas_m2: Floats
-    """Of the slots' patches, shape (s,)."""
+    """Of the slots' patches, the smallest and the largest of the shapes that each may have; shape (s, 2)."""
     min_area_m2: float
     """Of the smallest patch."""
     reach_m: Floats
@@ -78,7 +102,9 @@ class Marker(NamedTuple):
     place_values: Integers
     """Factor of each slot's digit in the code, 0 where all robots have the same color; shape (s,)."""
     has_code: bool
-    """Whether robots differ in their colors."""
+    """Whether robots differ in their colors or shapes."""
+    has_shapes: bool
+    """Whether they differ in shapes."""
     codes: Integers
     """The codes of the pattern's robots, shape (n,)."""
     ids: Integers
@@ -87,6 +113,8 @@ class Marker(NamedTuple):
     """Color class of every patch of every robot, the anchor first; shape (n, 1 + s)."""
     patch_points_m: Floats
     """Points well inside of each patch, in the robot; shape (1 + s, POINTS, 2)."""
+    details: Boxed
+    """MarkerDetails."""
     references: References
     """What the classes look like."""
     min_slots_for_heading: int
@@ -96,28 +124,42 @@ class Marker(NamedTuple):
 
 
 def marker_of(
-    pattern: Pattern, robots: TeamRobotSettings, team: Team, number: int, table: ColorTable, tolerance_m: float
-) -> Marker:
-    """Derive a team's marker. Raises SettingsError when the pattern has colors without a class.
+    pattern: Pattern, robots: TeamRobotSettings, team: Team, number: int, table: ColorTable, tolerance_m: float,
+    team_colors: Mask | None = None,
+) -> Marker:  # fmt: skip
+    """Derive a marker of a team. Raises SettingsError when the pattern has colors without a class.
 
-    number: of the team in tables; tolerance_m: how far from its place a patch may be.
+    number: of the marker among those of both teams; tolerance_m: how far from its place a patch may be;
+    team_colors: classes that patches of the team may have, None for those of this marker.
     """
     _check_colors(pattern, team, table)
-    areas = np.array([area_mm2(patch) for patch in pattern.patches]) / 1e6
+    ranges = np.array([_area_range_mm2(patch) for patch in pattern.patches]) / 1e6
+    areas = np.sqrt(ranges[:, 0] * ranges[:, 1])
     centers = np.array([centroid_mm(patch) for patch in pattern.patches]) / 1000.0
     anchor = next(index for index, patch in enumerate(pattern.patches) if patch.color == TEAM)
     others = [index for index in range(len(pattern.patches)) if index != anchor]
     slots = centers[others].reshape(-1, 2)
-    digits, place_values = _digits(pattern, others, table)
+    digits, place_values, shape_values = _digits(pattern, others, table)
     reach = np.hypot(*(slots - centers[anchor]).T) if len(slots) else np.zeros(1)
     shape = shape_from(inner_points_mm(pattern.patches[anchor]) / 1000.0)
     color_roles = np.zeros(len(table.names), dtype=np.uint8)
     color_roles[(digits != NO_DIGIT).any(axis=0)] |= SLOT_ROLE
     color_roles[table.index(team)] |= ANCHOR_ROLE
-    codes = [_code_number(code, pattern) for code in pattern.code_by_id.values()]
+    body_points, body_patches = body_points_of(pattern, [anchor, *others])
+    codes = [_code_number(pattern, number) for number in pattern.code_by_id]
     min_slots, min_slots_with_shape = _min_slots(slots - centers[anchor], digits, tolerance_m, shape)
+    details = MarkerDetails(
+        shape_values=frozen(shape_values),
+        shapes_worn=frozen(_shapes_worn(pattern, others)),
+        code_shapes=code_shapes(pattern, others),
+        body_points_m=frozen(body_points),
+        body_patches=frozen(body_patches),
+        body_m2=float((math.pi if pattern.robot.outline == "circle" else 4.0) * robots.radius_m**2),
+        team_colors=frozen(color_roles > 0 if team_colors is None else team_colors),
+    )
     return Marker(
-        team=number,
+        number=number,
+        team=TEAMS.index(team),
         height_m=robots.height_m,
         radius_m=robots.radius_m,
         color_roles=frozen(color_roles),
@@ -128,18 +170,20 @@ def marker_of(
         has_direction=bool(shape.weights.any()),
         slots_m=frozen(slots.copy()),
         slot_offsets_m=frozen(slots - centers[anchor]),
-        areas_m2=frozen(areas[others]),
-        min_area_m2=float(areas.min()),
+        areas_m2=frozen(ranges[others].reshape(-1, 2)),
+        min_area_m2=float(ranges.min()),
         reach_m=frozen(np.array([reach.min(), reach.max()])),
         area_fractions=frozen(areas[[anchor, *others]] / areas.sum()),
         radii_m=frozen(np.array([_radius_m(pattern.patches[index]) for index in (anchor, *others)])),
         digits=frozen(digits),
         place_values=frozen(place_values),
         has_code=pattern.digits > 0,
+        has_shapes=bool(shape_values.any()),
         codes=frozen(np.array(codes, dtype=np.int64)),
         ids=frozen(np.array(list(pattern.code_by_id), dtype=np.int64)),
         worn=frozen(_worn(pattern, [anchor, *others], team, table)),
         patch_points_m=frozen(np.array([_inner_points_m(pattern.patches[index]) for index in (anchor, *others)])),
+        details=box(details),
         references=table.references,
         min_slots_for_heading=min_slots,
         min_slots_with_shape=min_slots_with_shape,
@@ -176,7 +220,18 @@ def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
 
 
 def _radius_m(patch: Patch) -> float:
-    return patch.circle_mm[2] / 2000.0 if patch.circle_mm is not None and not patch.hidden_by else 0.0
+    is_disc = patch.circle_mm is not None and not patch.hidden_by and not patch.shapes
+    return patch.circle_mm[2] / 2000.0 if is_disc and patch.circle_mm else 0.0
+
+
+def _area_range_mm2(patch: Patch) -> tuple[float, float]:
+    areas = [area_mm2(one) for one in patch.shapes or (patch,)]
+    return min(areas), max(areas)
+
+
+def _shapes_worn(pattern: Pattern, slots: Sequence[int]) -> Integers:
+    worn = [pattern.shapes_worn(number) for number in pattern.code_by_id]
+    return np.array([[shapes[index] for index in slots] for shapes in worn], dtype=np.int64).reshape(len(worn), -1)
 
 
 def _worn(pattern: Pattern, order: Sequence[int], team: Team, table: ColorTable) -> Integers:
@@ -195,10 +250,12 @@ def _inner_points_m(patch: Patch) -> Floats:
     return points_m
 
 
-def _digits(pattern: Pattern, slots: Sequence[int], table: ColorTable) -> tuple[Integers, Integers]:
-    """Digit of each color class at each slot, and the place value of each slot's digit in the code."""
+def _digits(
+    pattern: Pattern, slots: Sequence[int], table: ColorTable
+) -> tuple[Integers, Integers, Integers]:  # fmt: skip
+    """Digit of each color class at each slot, and the place values of each slot's color and shape in the code."""
     digits = np.full((len(slots), len(table.names)), NO_DIGIT, dtype=np.int64)
-    place_values = np.zeros(len(slots), dtype=np.int64)
+    place_values, shape_values = np.zeros(len(slots), dtype=np.int64), np.zeros(len(slots), dtype=np.int64)
     value = 1
     for row, index in enumerate(slots):
         color = pattern.patches[index].color
@@ -208,13 +265,17 @@ def _digits(pattern: Pattern, slots: Sequence[int], table: ColorTable) -> tuple[
                 digits[row, table.index(name)] = digit
         else:
             digits[row, table.index(color)] = 0
-    return digits, place_values
+        if pattern.patches[index].shapes:
+            shape_values[row], value = value, value * len(pattern.code.shapes)
+    return digits, place_values, shape_values
 
 
-def _code_number(code: str, pattern: Pattern) -> int:
-    """A code as a number; its first letter is the least significant digit."""
-    initials = [color[0].upper() for color in pattern.code.colors]
-    return sum(initials.index(letter) * len(initials) ** place for place, letter in enumerate(code))
+def _code_number(pattern: Pattern, marker_id: int) -> int:
+    """The code of an id as a number; its first letter is the least significant digit."""
+    number, value = 0, 1
+    for letter, alphabet in zip(pattern.code_by_id[marker_id], pattern.alphabets, strict=True):
+        number, value = number + value * alphabet.index(letter), value * len(alphabet)
+    return number
 
 
 def _min_slots(offsets_m: Floats, digits: Integers, tolerance_m: float, shape: PatchShape) -> tuple[int, int]:

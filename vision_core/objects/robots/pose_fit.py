@@ -63,9 +63,9 @@ def _is_assigned(assigned: Indices, slots: int, number: int) -> bool:
 
 
 @kernel
-def record_blobs(neighbors: Table, assigned: Indices, anchor: int, team: int, hypothesis: Row) -> None:
+def record_blobs(neighbors: Table, assigned: Indices, anchor: int, team: int, marker: int, hypothesis: Row) -> None:
     """Write into a hypothesis which blobs it consists of."""
-    hypothesis.team, hypothesis.anchor = team, anchor
+    hypothesis.team, hypothesis.marker, hypothesis.anchor = team, marker, anchor
     matched = 0
     for slot in range(MAX_SLOTS):
         hypothesis.slot_blobs[slot] = neighbors[assigned[slot]].blob if assigned[slot] >= 0 else NO_BLOB

@@ -19,12 +19,15 @@ from vision_core.objects.circle_fit import refined_circle
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.buffers import HEADING_BY_SHAPE, NO_SHAPE, FinderBuffers, Gates
 from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.shape_reading import code_of_shapes, is_shape_sure, read_shapes, shape_certainty
 from vision_core.objects.robots.shapes import heading_sd
 from vision_core.types.tables import NO_ID, Table
 
 Row: TypeAlias = Any
 """One row of a table."""
 
+SHAPE_ROUNDS = 2
+"""Times that the heading is fitted again when the shapes are known, whose centers lie a little aside."""
 PRIOR_FREEDOM = 4.0
 """Degrees of freedom that the expected weights count for, beside those of the residuals."""
 
@@ -39,6 +42,8 @@ def refine_pose(
     robot: a row of ROBOT. Where the heading is not known the robot is put at its anchor, and its deviation includes the
     anchor's distance from the robot's center.
     """
+    if marker.has_shapes:
+        read_shapes(seen, marker, hypothesis)
     _refine_centers(seen, marker, gates, buffers, hypothesis)
     # do the matched slots, or the anchor's shape, determine the heading?
     has_shape = hypothesis.shape_evidence != NO_SHAPE
@@ -49,6 +54,8 @@ def refine_pose(
     has_heading = enough and not ambiguous
     robot.team, robot.confidence = marker.team, hypothesis.score
     robot.id = id_of(seen.blobs, marker, hypothesis) if has_heading or not marker.has_code else NO_ID
+    if marker.has_shapes and robot.id != NO_ID:
+        robot.confidence *= shape_certainty(marker, hypothesis)
     centers = buffers.centers
     if not has_heading:
         offset = math.hypot(marker.anchor_m[0], marker.anchor_m[1])
@@ -57,6 +64,8 @@ def refine_pose(
         robot.heading_sd_rad = math.nan
     elif hypothesis.matched == 0:
         _pose_from_shape(marker, buffers, hypothesis, robot)
+    elif marker.has_shapes:
+        _fit_with_shapes(marker, buffers, hypothesis, robot)
     else:
         _fit(marker, buffers, robot)
     robot.x_px, robot.y_px = pixel_from_field(seen.camera, robot.x_m, robot.y_m, marker.height_m)
@@ -94,6 +103,11 @@ def id_of(blobs: Table, marker: Marker, hypothesis: Row) -> int:
             if blob < 0:
                 return NO_ID
             code += marker.place_values[slot] * marker.digits[slot, blobs[blob].color]
+    if marker.has_shapes:
+        shapes = code_of_shapes(marker, hypothesis)
+        if shapes < 0:
+            return NO_ID
+        code += shapes
     for number in range(len(marker.codes)):
         if marker.codes[number] == code:
             return int(marker.ids[number])
@@ -156,3 +170,26 @@ def _place_in_robot(marker: Marker, patch: int) -> tuple[float, float]:
     if patch == 0:
         return marker.anchor_m[0], marker.anchor_m[1]
     return marker.slots_m[patch - 1, 0], marker.slots_m[patch - 1, 1]
+
+
+@kernel
+def _fit_with_shapes(marker: Marker, buffers: FinderBuffers, hypothesis: Row, robot: Row) -> None:
+    """The pose of a robot whose patches have some of the code's shapes, each of which has a center of its own."""
+    _fit(marker, buffers, robot)
+    for _ in range(SHAPE_ROUNDS):
+        heading = robot.heading_rad
+        _shift_centers(marker, buffers, hypothesis, heading, -1.0)
+        _fit(marker, buffers, robot)
+        _shift_centers(marker, buffers, hypothesis, heading, 1.0)
+
+
+@kernel
+def _shift_centers(marker: Marker, buffers: FinderBuffers, hypothesis: Row, heading: float, share: float) -> None:
+    """Shift the seen centers of patches in the code's shapes by a share of these shapes' offsets, at a heading."""
+    details, c, s = marker.details.value, math.cos(heading), math.sin(heading)
+    for slot in range(len(details.shape_values)):
+        if details.shape_values[slot] > 0 and is_shape_sure(hypothesis, slot):
+            offset = details.code_shapes.offsets_m[hypothesis.shapes[slot]]
+            a, b = offset[0], offset[1]
+            buffers.centers[1 + slot, 0] += share * (c * a - s * b)
+            buffers.centers[1 + slot, 1] += share * (s * a + c * b)

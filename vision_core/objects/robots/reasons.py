@@ -58,7 +58,8 @@ def explain_robots(
     reasons = list(_not_found(missed, seen, settings))
     for marker in finder.markers:
         own = robots[robots["team"] == marker.team]
-        if not len(robots) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
+        is_first = marker is next(one for one in finder.markers if one.team == marker.team)
+        if is_first and not len(robots) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
             reasons.append(_why_no_robot(scene, finder, marker))
         reasons += _without_heading(scene, marker, seen, settings)
         if (own["id"] == NO_ID).any():
@@ -128,7 +129,7 @@ def _without_heading(scene: Scene, marker: Marker, seen: SeenRobots, settings: S
     """Robots whose heading is not known although all their patches are seen, or whose pattern has no code."""
     name, tolerance_m, blind = TEAMS[marker.team], settings.robots.dot_tolerance_m, []
     for robot, hypothesis in zip(seen.found, seen.hypotheses, strict=True):
-        if robot["team"] != marker.team or not np.isnan(robot["heading_rad"]):
+        if hypothesis["marker"] != marker.number or not np.isnan(robot["heading_rad"]):
             continue
         if hypothesis["matched"] == len(marker.slots_m):
             blind.append((float(robot["x_px"]), float(robot["y_px"])))
@@ -181,12 +182,15 @@ def _why_no_id(scene: Scene, marker: Marker, seen: SeenRobots, settings: Setting
     name = TEAMS[marker.team]
     shown, twins, said, further = Counter[int](), [], 0, []
     for number, robot in enumerate(seen.found):
-        if robot["team"] != marker.team or seen.id_of(number) != NO_ID:
+        hypothesis = seen.hypotheses[number]
+        if hypothesis["marker"] != marker.number or seen.id_of(number) != NO_ID:
             continue
-        hypothesis, place = seen.hypotheses[number], (float(robot["x_px"]), float(robot["y_px"]))
+        place = (float(robot["x_px"]), float(robot["y_px"]))
         if np.isnan(robot["heading_rad"]) and hypothesis["matched"] == len(marker.slots_m):
             continue  # its heading is ambiguous, and said to be
-        why = unread_because(scene, marker, hypothesis, settings) if marker.has_code else None
+        is_alike = bool(seen.alike[number])
+        is_read = not marker.has_code and not is_alike
+        why = None if is_read else unread_because(scene, marker, hypothesis, settings, is_alike=is_alike)
         if why is None:
             shown[id_of(scene.blobs, marker, hypothesis)] += 1
             twins.append((id_of(scene.blobs, marker, hypothesis), place))

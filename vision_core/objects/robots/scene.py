@@ -7,13 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from vision_core.geometry import Mask
 from vision_core.models.camera_kernels import field_and_scale, pixel_from_field, pixels_per_square_metre
 from vision_core.models.from_settings import robots_of
 from vision_core.objects.field_limits import accepted_extents, is_accepted
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder
-from vision_core.objects.robots.hypothesis_generation import generate_hypotheses, locate_blobs
+from vision_core.objects.robots.hypothesis_generation import generate_hypotheses, locate_blobs, slot_area_ratio
 from vision_core.objects.robots.markers import NO_DIGIT, Marker
+from vision_core.patterns.loader import load_pattern
+from vision_core.patterns.pattern import TEAM
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import TEAMS, Table
@@ -50,6 +53,8 @@ class SeenRobots:
     """Of the same robots in the order of their confidence, HYPOTHESIS, shape (n,)."""
     found: Table
     """The robots in this order; two of a team with one id still have it. ROBOT, shape (n,)."""
+    alike: Mask
+    """Which of them another marker of the same team explains about as well, shape (n,)."""
 
     def id_of(self, number: int) -> int:
         """The id of a robot in this order; NO_ID when another one of its team has the same."""
@@ -63,7 +68,7 @@ def seen_robots(scene: Scene, finder: RobotFinder) -> SeenRobots:
     robots = scene.robots(finder)
     buffers = finder.buffers
     chosen = buffers.hypotheses[buffers.selected[: len(robots)]].copy()
-    return SeenRobots(robots, chosen, buffers.found[: len(robots)].copy())
+    return SeenRobots(robots, chosen, buffers.found[: len(robots)].copy(), buffers.alike[: len(robots)].copy())
 
 
 def hypotheses_of(scene: Scene, finder: RobotFinder, marker: Marker) -> Table:
@@ -78,9 +83,9 @@ def hypotheses_of(scene: Scene, finder: RobotFinder, marker: Marker) -> Table:
 def anchor_area_ratios(scene: Scene, finder: RobotFinder, marker: Marker, blobs: Any) -> Any:
     """Areas of blobs over the anchor's."""
     gates = finder.gates._replace(min_area=0.0)
-    finder.buffers.places[marker.team] = 0.0
+    finder.buffers.places[marker.number] = 0.0
     locate_blobs(scene.seen, marker, gates, finder.buffers)
-    return finder.buffers.places[marker.team, blobs, 2] / marker.anchor_area_m2
+    return finder.buffers.places[marker.number, blobs, 2] / marker.anchor_area_m2
 
 
 def what_is_missing(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> str:
@@ -111,7 +116,7 @@ def _what_is_at(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settin
     place = field_and_scale(scene.seen.camera, scene.blobs["x_px"][blob], scene.blobs["y_px"][blob], marker.height_m)
     if not is_accepted(*place[:2], marker.radius_m, accepted_extents(settings.field, settings.robots.margin_m)):
         return f"{patch} lies off the field, farther than robots.margin_m = {settings.robots.margin_m:g} m"
-    ratio = float(scene.blobs["area_px"][blob] / scale2 / marker.areas_m2[slot])
+    ratio = slot_area_ratio(marker.areas_m2, slot, float(scene.blobs["area_px"][blob] / scale2))
     return f"{patch} has {ratio:.2g} times the expected area"
 
 
@@ -122,7 +127,7 @@ def _merged_into(scene: Scene, marker: Marker, hypothesis: Any, slot: int) -> st
     for blob in scene.blobs:
         is_own = math.hypot(blob["x_px"] - x, blob["y_px"] - y) <= marker.radius_m * math.sqrt(scale2)
         is_its_color = marker.digits[slot, blob["color"]] != NO_DIGIT and blob["color"] != marker.anchor_class
-        if is_own and is_its_color and blob["area_px"] / scale2 >= MIN_MERGED * marker.areas_m2[slot]:
+        if is_own and is_its_color and blob["area_px"] / scale2 >= MIN_MERGED * marker.areas_m2[slot, 1]:
             color = scene.table.names[int(blob["color"])]
             where = f"a {color} blob at ({blob['x_px']:.0f}, {blob['y_px']:.0f}) px is as large as two"
             return (
@@ -152,14 +157,15 @@ def side_of(x: float, y: float) -> str:
     return " ".join(word for word in (along, across) if word) or "middle"
 
 
-def code_of(scene: Scene, marker: Marker, hypothesis: Any) -> str:
-    """The code that a hypothesis shows, as initials of its colors."""
-    colors = [
-        int(scene.blobs["color"][hypothesis["slot_blobs"][slot]])
-        for slot in range(len(marker.slots_m))
-        if marker.place_values[slot]
-    ]
-    return "".join(scene.table.names[color][0].upper() for color in colors)
+def code_of(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> str:
+    """The code that a hypothesis shows, as initials of its colors and shapes."""
+    letters, shaped = [], shaped_slots(settings, marker)
+    for slot in range(len(marker.slots_m)):
+        if marker.place_values[slot]:
+            letters.append(scene.table.names[int(scene.blobs["color"][hypothesis["slot_blobs"][slot]])][0])
+        if slot in shaped:
+            letters.append(shape_names(settings, marker)[hypothesis["shapes"][slot]][0])
+    return "".join(letters).upper()
 
 
 def counted(count: int, noun: str) -> str:
@@ -168,8 +174,24 @@ def counted(count: int, noun: str) -> str:
 
 
 def pattern_name(settings: Settings, marker: Marker) -> str:
-    """Name of the pattern of a marker's team."""
-    return robots_of(settings.robots, TEAMS[marker.team]).pattern
+    """Name of a marker's pattern in the settings."""
+    return patterns_of(settings)[marker.number]
+
+
+def patterns_of(settings: Settings) -> list[str]:
+    """The names of the patterns of all markers, in their order."""
+    return [name for team in TEAMS for name in robots_of(settings.robots, team).patterns]
+
+
+def shape_names(settings: Settings, marker: Marker) -> list[str]:
+    """The names of the shapes of a marker's code."""
+    return [shape.name for shape in load_pattern(pattern_name(settings, marker)).code.shapes]
+
+
+def shaped_slots(settings: Settings, marker: Marker) -> list[int]:
+    """The slots of a marker whose shape is a letter of the id."""
+    slots = [patch for patch in load_pattern(pattern_name(settings, marker)).patches if patch.color != TEAM]
+    return [slot for slot, patch in enumerate(slots) if patch.shapes]
 
 
 def pixel_of(scene: Scene, blob: int) -> str:

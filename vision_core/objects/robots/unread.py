@@ -13,10 +13,11 @@ import numpy as np
 
 from vision_core.geometry import Floats
 from vision_core.models.camera_kernels import pixel_from_field, pixels_per_square_metre
+from vision_core.models.from_settings import robots_of
 from vision_core.objects.field_limits import accepted_extents, is_accepted
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.headless import Headless, headless_markers
-from vision_core.objects.robots.hypothesis_generation import locate_blobs
+from vision_core.objects.robots.hypothesis_generation import locate_blobs, slot_area_ratio
 from vision_core.objects.robots.markers import Marker
 from vision_core.objects.robots.pose_refinement import id_of
 from vision_core.objects.robots.scene import (
@@ -27,12 +28,15 @@ from vision_core.objects.robots.scene import (
     pattern_name,
     place_of_slot,
     seen_robots,
+    shape_names,
+    shaped_slots,
     side_of,
     what_is_missing,
 )
+from vision_core.objects.robots.shape_reading import MAX_MISFIT, MIN_MARGIN, is_shape_sure
 from vision_core.settings.schema import Settings
 from vision_core.types.reasons import Reason
-from vision_core.types.tables import NO_ID
+from vision_core.types.tables import NO_ID, TEAMS
 
 WIDER_AREA, WIDER_TOLERANCE, WIDER_FIELD = 8.0, 1.6, 3.0
 """Factors of the gates within which something is robot-like."""
@@ -69,15 +73,43 @@ class Missed:
     """Only its team's patch is seen."""
 
 
-def unread_because(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> Reason | None:
-    """What a hypothesis has in place of an id; None when it has one."""
+def unread_because(
+    scene: Scene, marker: Marker, hypothesis: Any, settings: Settings, *, is_alike: bool
+) -> Reason | None:  # fmt: skip
+    """What a hypothesis has in place of an id; None when it has one.
+
+    is_alike: another marker of the same team explains the robot about as well.
+    """
+    if is_alike:
+        names = " or ".join(robots_of(settings.robots, TEAMS[marker.team]).patterns)
+        text = f"no id: pattern {names}? They explain about as many pixels of it"
+        return Reason(text, "Let the robots of a team wear patterns that differ more.")
     if hypothesis["matched"] < len(marker.slots_m):
         missing = f"no id: {what_is_missing(scene, marker, hypothesis, settings)}"
         return Reason(missing, REPAIR)
     if id_of(scene.blobs, marker, hypothesis) == NO_ID:
         pattern = pattern_name(settings, marker)
-        code = f"the code {code_of(scene, marker, hypothesis)}, which is no id of pattern {pattern}"
+        if unclear := _unclear_shape(scene, marker, hypothesis, settings):
+            return unclear
+        code = f"the code {code_of(scene, marker, hypothesis, settings)}, which is no id of pattern {pattern}"
         return Reason(code, f"Give it a marker of this pattern: `pslv patterns print {pattern}`.")
+    return None
+
+
+def _unclear_shape(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> Reason | None:
+    """That one of a hypothesis' patches has no clear shape; None when all have."""
+    for slot in shaped_slots(settings, marker):
+        if is_shape_sure(hypothesis, slot):
+            continue
+        names, place = shape_names(settings, marker), f"the shape of its {side_of(*marker.slots_m[slot])} patch"
+        best, rival = (names[hypothesis[key][slot]] for key in ("shapes", "rival_shapes"))
+        if hypothesis["shape_misfits"][slot] > MAX_MISFIT:
+            text = f"no id: {place} is none of {', '.join(names)}; it is most like {best}"
+            return Reason(text, "Repair its marker, take away what lies on it, or correct the pattern.")
+        scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
+        margin = f"by {hypothesis['shape_margins'][slot]:.0f} of {MIN_MARGIN:g}"
+        text = f"no id: {place} may be {best} or {rival} ({margin}, at {1e3 / math.sqrt(scale2):.2g} mm per pixel)"
+        return Reason(text, "Cut shapes that differ more, or larger ones, or bring the camera nearer.")
     return None
 
 
@@ -88,7 +120,7 @@ def missed_robots(scene: Scene, finder: RobotFinder, settings: Settings, seen: S
     robots than the match gives it.
     """
     places = [(float(row["x_m"]), float(row["y_m"])) for row in seen.found]
-    lacks = [(seen.found["team"] == marker.team).sum() < settings.match.numbers for marker in finder.markers]
+    lacks = [(seen.found["team"] == team).sum() < settings.match.numbers for team in range(len(TEAMS))]
     missed = []
     for marker, hypothesis in _robot_like(scene, finder):
         is_likely = lacks[marker.team] or hypothesis["matched"] >= SURE_PATCHES
@@ -141,7 +173,7 @@ def _robot_like(scene: Scene, finder: RobotFinder) -> Iterator[tuple[Marker, Any
         extents_m=gates.extents_m * WIDER_FIELD,
     )
     for hypothesis in seen_robots(scene, finder._replace(gates=wider)).hypotheses:
-        marker = finder.markers[hypothesis["team"]]
+        marker = finder.markers[hypothesis["marker"]]
         if hypothesis["matched"] >= max(min(MIN_PATCHES, len(marker.slots_m)), 1):
             yield marker, hypothesis
 
@@ -182,9 +214,11 @@ def _wrong_size(scene: Scene, finder: RobotFinder, marker: Marker, hypothesis: A
     """Which of its patches has not the right size; empty when all have."""
     gates = finder.gates
     scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
-    for patch, area_m2 in enumerate((marker.anchor_area_m2, *marker.areas_m2.tolist())):
+    for patch in range(1 + len(marker.slots_m)):
         blob = int(hypothesis["anchor"] if patch == 0 else hypothesis["slot_blobs"][patch - 1])
-        ratio = float(scene.blobs["area_px"][blob] / scale2 / area_m2) if blob >= 0 else 1.0
+        area_m2 = float(scene.blobs["area_px"][blob] / scale2)
+        ratio = area_m2 / marker.anchor_area_m2 if patch == 0 else slot_area_ratio(marker.areas_m2, patch - 1, area_m2)
+        ratio = ratio if blob >= 0 else 1.0
         if not gates.min_area <= ratio <= gates.max_area:
             place = marker.anchor_m if patch == 0 else marker.slots_m[patch - 1]
             size = f"has {ratio:.2g} times the expected area"
@@ -215,7 +249,7 @@ def _lone_anchors(
     inside = accepted_extents(settings.field, 0.0)
     count = locate_blobs(scene.seen, marker, gates, buffers)
     for blob in buffers.listed[:count].tolist():
-        x_m, y_m, area_m2 = buffers.places[marker.team, blob].tolist()
+        x_m, y_m, area_m2 = buffers.places[marker.number, blob].tolist()
         is_right_size = gates.min_area <= area_m2 / marker.anchor_area_m2 <= gates.max_area
         is_inside = is_accepted(x_m, y_m, -LINE_RADII * marker.radius_m, inside)
         box = scene.blobs[blob]

@@ -10,7 +10,14 @@ from vision_core.models.camera_kernels import field_and_scale
 from vision_core.objects.field_limits import is_accepted
 from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.markers import Marker
-from vision_core.objects.robots.scene import Scene, hypotheses_of, pattern_name, seen_robots, what_is_missing
+from vision_core.objects.robots.scene import (
+    Scene,
+    SeenRobots,
+    hypotheses_of,
+    pattern_name,
+    seen_robots,
+    what_is_missing,
+)
 from vision_core.objects.robots.unread import unread_because
 from vision_core.objects.verdicts import size_words
 from vision_core.settings.schema import Settings
@@ -32,22 +39,31 @@ def robot_verdicts(scene: Scene, finder: RobotFinder, settings: Settings) -> Ite
     """Of every blob of a team's color: how many gates it passed, and the verdict."""
     seen = seen_robots(scene, finder)
     robots, chosen, found = seen.robots, seen.hypotheses, seen.found
+    verdicts: dict[tuple[int, int], tuple[int, Hypothesis]] = {}
     for marker in finder.markers:
-        own = {int(row["anchor"]): k for k, row in enumerate(chosen) if row["team"] == marker.team}
+        own = {int(row["anchor"]): k for k, row in enumerate(chosen) if row["marker"] == marker.number}
         best: dict[int, Any] = {}
         for row in hypotheses_of(scene, finder, marker):
             best.setdefault(int(row["anchor"]), row)
         for blob in np.flatnonzero(scene.blobs["color"] == marker.anchor_class).tolist():
             if (k := own.get(blob)) is None:
-                yield _rejected(scene, finder, marker, blob, best.get(blob), robots, settings)
+                verdict = _rejected(scene, finder, marker, blob, best.get(blob), robots, settings)
             else:
-                yield PASSED, _accepted(scene, marker, chosen[k], found[k], seen.id_of(k), settings)
+                verdict = PASSED, _accepted(scene, marker, chosen[k], found[k], seen, k, settings)
+            # of a team's markers, the one with which the blob comes farthest
+            passed, _ = verdicts.setdefault((marker.team, blob), verdict)
+            if verdict[0] > passed:
+                verdicts[marker.team, blob] = verdict
+    yield from verdicts.values()
 
 
-def _accepted(scene: Scene, marker: Marker, hypothesis: Any, robot: Any, number: int, settings: Settings) -> Hypothesis:
-    why = ""
-    if number == NO_ID and marker.has_code:
-        reason = unread_because(scene, marker, hypothesis, settings)
+def _accepted(
+    scene: Scene, marker: Marker, hypothesis: Any, robot: Any, seen: SeenRobots, k: int, settings: Settings
+) -> Hypothesis:  # fmt: skip
+    """The verdict on a robot, the k-th of those that are seen."""
+    number, is_alike, why = seen.id_of(k), bool(seen.alike[k]), ""
+    if number == NO_ID and (marker.has_code or is_alike):
+        reason = unread_because(scene, marker, hypothesis, settings, is_alike=is_alike)
         why = reason.text if reason else "the marker of another robot of its team"
     return Hypothesis(
         what=_what(marker),
