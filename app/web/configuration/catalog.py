@@ -55,7 +55,7 @@ def catalog_of(configuration: Configuration) -> list[SettingReport]:
             is_changed=value != files.get(key),
             is_live=is_live(key),
             waits_for_restart=key in waiting,
-            **schema.limits(key),
+            **schema.limits(key, value),
         )
         for key, value in (files | values).items()
     ]
@@ -72,12 +72,13 @@ class _Schema:
     def description(self, key: str) -> str:
         return str(self._node(key).get("description", ""))
 
-    def limits(self, key: str) -> dict[str, Any]:
-        """Kind, limits and choices of a setting."""
+    def limits(self, key: str, value: Any) -> dict[str, Any]:
+        """Kind, limits and choices of a setting, which may be of several types: its value's is taken."""
         node = self._node(key)
+        kind = "string" if isinstance(value, str) else str(node.get("type"))
         choices = [str(choice) for choice in node.get("enum", [])]
         return {
-            "kind": "choice" if choices else KINDS.get(str(node.get("type")), "json"),
+            "kind": "choice" if choices else KINDS.get(kind, "json"),
             "minimum": node.get("minimum", node.get("exclusiveMinimum")),
             "maximum": node.get("maximum", node.get("exclusiveMaximum")),
             "choices": choices,

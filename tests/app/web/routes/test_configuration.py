@@ -61,6 +61,7 @@ def test_every_setting_has_value_words_and_limits(http: httpx.Client) -> None:
     rate = settings["camera.rate_hz"]
     assert (rate["kind"], rate["maximum"], rate["is_live"]) == ("number", 1000.0, False)
     assert settings["colors.classes"]["kind"] == "json"
+    assert settings["robots.pattern"]["kind"] == "text"
     assert len(settings) > 100
 
 
