@@ -116,7 +116,7 @@ def _pictures(answers: Answers, talk: Talk) -> tuple[tuple[Path, ...], tuple[Dra
     for file in files:
         size = (found[0][1].width_px, found[0][1].height_px) if found else None
         try:
-            looked = look_at(file, file.name, size)
+            looked = look_at(file, file.name, size, needs_color=True)
         except PslvError as error:
             if len(files) == 1:
                 raise

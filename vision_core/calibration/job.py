@@ -1,22 +1,41 @@
-"""A calibration as a job for a process of its own: what goes in."""
+"""Calibrations as jobs for a process of its own: what goes in."""
 
-from dataclasses import dataclass
+from typing import TypeAlias
+
+from msgspec import Struct
 
 from vision_core.settings.schema import Settings
 
 
-@dataclass(frozen=True, slots=True)
-class CalibrationJob:
-    """What to calibrate; the picture's pixels follow on standard input."""
+class PictureFile(Struct, frozen=True):
+    """One of the pictures to calibrate by."""
+
+    path: str
+    name: str
+    """What messages call it."""
+
+
+class CameraJob(Struct, frozen=True, tag=True):
+    """Calibrate the camera by painted lines: a ``Calibration``. A lens that the settings have holds."""
 
     settings: Settings
-    size_px: tuple[int, int]
-    """Width and height of the picture."""
+    pictures: tuple[PictureFile, ...]
     corners_px: tuple[tuple[float, float], ...] | None
     """Outer corners of the field's lines: left top, right top, right bottom, left bottom. None: not given."""
     finds: bool
-    """Search the field in the picture. Otherwise, without corners, the camera of the settings is the first guess."""
+    """Search the field in the pictures. Otherwise, without corners, the camera of the settings is the first guess."""
     height_m: float | None
     """Of the camera, by tape measure."""
     swaps_ends: bool
     """The field's left end is the other one."""
+    frees_measures: bool
+    """The field's measures, except its length, are estimates: solve them too."""
+
+
+class LensJob(Struct, frozen=True, tag=True):
+    """Measure the lens by pictures of a board: a ``LensCalibration``."""
+
+    pictures: tuple[PictureFile, ...]
+
+
+CalibrationJob: TypeAlias = CameraJob | LensJob

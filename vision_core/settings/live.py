@@ -6,6 +6,8 @@ LIVE_KEYS = ("colors.light.adapt",)
 """Single live settings of other sections."""
 LIVE_OF_TASKS = ("enabled", "period_ms", "priority")
 """Settings of each task that are live."""
+UNUSED = "camera.lens"
+"""No process reads it: calibrations begin with the newest settings."""
 
 
 def is_live(key: str) -> bool:
@@ -13,4 +15,4 @@ def is_live(key: str) -> bool:
     section, *rest = key.split(".")
     if section == "tasks":
         return len(rest) == 2 and rest[1] in LIVE_OF_TASKS
-    return section in LIVE or key in LIVE_KEYS
+    return section in LIVE or key in LIVE_KEYS or key.startswith(UNUSED)

@@ -34,6 +34,8 @@ class Look(Struct, frozen=True, tag=True):
     """What a message calls it."""
     size_px: tuple[int, int] | None
     """That it must have; None: any."""
+    needs_color: bool
+    """A gray picture is refused, and a raw one."""
 
 
 class Show(Struct, frozen=True, tag=True):

@@ -25,7 +25,7 @@ def run(job: SetupJob, progress: Progress) -> object:
     a draft that is not complete enough, and what progress raises."""
     match job:
         case Look():
-            return look_at(Path(job.picture), job.name, job.size_px)
+            return look_at(Path(job.picture), job.name, job.size_px, needs_color=job.needs_color)
         case Show():
             return encode_jpeg(shrink(read_picture(Path(job.picture)), job.width_px), SHOWN_QUALITY)
         case Recognize():
@@ -51,10 +51,11 @@ def run(job: SetupJob, progress: Progress) -> object:
             return try_venue([Path(name) for name in job.pictures], settings, job.in_use, Path(job.folder), progress)
 
 
-def look_at(path: Path, name: str, size_px: tuple[int, int] | None) -> Looked:
+def look_at(path: Path, name: str, size_px: tuple[int, int] | None, *, needs_color: bool) -> Looked:
     """Size of a picture. name: what messages call it; size_px: width and height that it must have; None: any.
 
-    Raises SourceError when it cannot be read, has another size, or is none in color.
+    Raises SourceError when it cannot be read, has another size, or is none in color
+    although it must be.
     """
     try:
         pixels = read_picture(path)
@@ -64,7 +65,7 @@ def look_at(path: Path, name: str, size_px: tuple[int, int] | None) -> Looked:
     if size_px is not None and size != size_px:
         accepted = f"{size_px[0]}x{size_px[1]} as the first picture: one camera, at one resolution"
         raise SourceError(f"picture {name}", found=f"{size[0]}x{size[1]} px", accepted=accepted)
-    for reason in kind_reasons(pixels):
+    for reason in kind_reasons(pixels) if needs_color else ():
         raise SourceError(f"picture {name}", found=reason.text, accepted=f"a picture in color. {reason.advice}")
     return Looked(*size)
 

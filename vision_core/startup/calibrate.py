@@ -1,22 +1,24 @@
-"""Short process beside a running service: calibrates the camera by one picture.
+"""Short process beside a running service: calibrates the camera by pictures of the field, or its lens by a board.
 
-Standard input has a ``CalibrationJob`` as a line of JSON, then the picture's pixels, blue green red. Standard output
-gets a ``JobStep`` per line; the last has the ``Calibration`` or an error.
+Standard input has a ``CalibrationJob`` in msgpack. Standard output gets a ``JobStep`` per line; the last has the
+``Calibration`` or ``LensCalibration``, or an error.
 """
 
 import os
 import sys
-from typing import IO
+from pathlib import Path
 
 import msgspec
 import numpy as np
 
-from vision_core.calibration.job import CalibrationJob
-from vision_core.calibration.result import Calibration
+from vision_core.calibration.board.lens import calibrate_lens
+from vision_core.calibration.board.result import LensCalibration
+from vision_core.calibration.job import CalibrationJob, CameraJob, LensJob
+from vision_core.calibration.result import Calibration, Progress
 from vision_core.calibration.solve import calibrate, from_other_end
 from vision_core.calibration.start import Start, start_from_corners, start_from_settings
 from vision_core.errors import PslvError
-from vision_core.geometry import Bytes
+from vision_core.native.opencv import read_picture
 from vision_core.pipeline.calibration_check import checked_by_robots
 from vision_core.scheduling.attachment import end_with
 from vision_core.types.job_step import JobStep
@@ -25,40 +27,42 @@ from vision_core.types.job_step import JobStep
 def main() -> None:
     """Do one job."""
     end_with(os.getppid())
-    job = msgspec.json.decode(sys.stdin.buffer.readline(), type=CalibrationJob)
-    pixels = _picture(sys.stdin.buffer, job.size_px)
+    job = msgspec.msgpack.decode(sys.stdin.buffer.read(), type=CalibrationJob)
     try:
-        _tell(JobStep.of(run(job, pixels)))
+        _tell(JobStep.of(run(job, lambda what, share: _tell(JobStep(what, share)))))
     except PslvError as error:
         _tell(JobStep("refused", 1.0, error=str(error)))
 
 
-def run(job: CalibrationJob, pixels: Bytes) -> Calibration:
-    """The result of a job. Raises PslvError for corners that no camera sees so."""
+def run(job: CalibrationJob, progress: Progress) -> Calibration | LensCalibration:
+    """The result of a job. Raises PslvError for pictures that cannot be read, and corners that no camera sees so."""
+    pictures = [read_picture(Path(one.path)) for one in job.pictures]
+    names = [one.name for one in job.pictures]
+    if isinstance(job, LensJob):
+        return calibrate_lens(pictures, names, progress=progress)
+    height, width, _ = pictures[0].shape
     result = calibrate(
-        [pixels],
+        pictures,
         job.settings.field,
-        _start(job),
+        _start(job, (width, height)),
+        names=names,
         height_m=job.height_m,
+        frees_measures=job.frees_measures,
         held=job.settings.camera.lens,
         marker_height_m=job.settings.robots.height_m,
-        progress=lambda what, share: _tell(JobStep(what, share)),
+        progress=progress,
     )
     result = from_other_end(result) if job.swaps_ends else result
-    return checked_by_robots(result, pixels, job.settings)
+    progress("comparing it with the robots", 1.0)
+    return checked_by_robots(result, pictures[0], job.settings)
 
 
-def _start(job: CalibrationJob) -> Start | None:
+def _start(job: CameraJob, size_px: tuple[int, int]) -> Start | None:
+    camera = job.settings.camera
     if job.corners_px is not None:
-        held = job.settings.camera.lens
         corners = np.array(job.corners_px)
-        return start_from_corners(corners, job.settings.field, job.size_px, height_m=job.height_m, held=held)
-    return None if job.finds else start_from_settings(job.settings.camera, height_m=job.height_m)
-
-
-def _picture(source: IO[bytes], size_px: tuple[int, int]) -> Bytes:
-    width, height = size_px
-    return np.frombuffer(source.read(width * height * 3), dtype=np.uint8).reshape(height, width, 3)
+        return start_from_corners(corners, job.settings.field, size_px, height_m=job.height_m, held=camera.lens)
+    return None if job.finds else start_from_settings(camera, height_m=job.height_m)
 
 
 def _tell(step: JobStep) -> None:

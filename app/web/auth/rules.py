@@ -14,12 +14,10 @@ OPERATORS_READ = frozenset(
         "/api/v1/log",
         "/api/v1/support-bundle",
         "/api/v1/sources",
-        "/api/v1/calibration",
-        "/api/v1/calibration/picture.png",
     }
 )
-OPERATORS_FOLDER = "/api/v1/new-venue"
-"""Everything of it is the operator's: pictures that somebody gave."""
+OPERATORS_FOLDERS = ("/api/v1/new-venue", "/api/v1/calibration")
+"""Everything of them is the operator's: pictures that somebody gave."""
 TEAMS_READ = frozenset({"/api/v1/me", "/api/v1/field", "/api/v1/match", "/live"})
 """What a team needs for its own page, where viewers are kept out."""
 
@@ -39,7 +37,7 @@ def need_of(method: str, path: str) -> Need:
     """What a request needs. method: of a WebSocket "GET"."""
     if path in OPEN_CHANGES:
         return Need.NOTHING
-    if method not in READING or path in OPERATORS_READ or path.startswith(OPERATORS_FOLDER):
+    if method not in READING or path in OPERATORS_READ or path.startswith(OPERATORS_FOLDERS):
         return Need.OPERATOR
     if path in TEAMS_READ:
         return Need.TEAM

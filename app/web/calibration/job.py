@@ -1,24 +1,40 @@
-"""Calibrates the camera in a process of its own, one at a time; says how far it is, and keeps the result."""
+"""Calibrates the camera or its lens in a process of its own; says how far it is, and keeps the results."""
 
-from http import HTTPStatus
+from enum import StrEnum
+from pathlib import Path
 
 import msgspec
 
 from app.web.background import BackgroundJob, JobState
-from app.web.blackboard import Picture
-from app.web.problems import RequestRefused
-from vision_core.calibration.job import CalibrationJob
+from app.web.calibration.pictures import CalibrationPictures, Kind
+from vision_core.calibration.board.result import LensCalibration
+from vision_core.calibration.job import CameraJob, LensJob
 from vision_core.calibration.result import Calibration
 from vision_core.startup import CALIBRATE
 from vision_core.types.job_step import JobStep
 
 
-class CameraCalibration:
-    """The picture that is calibrated by, and the newest job. Threads may share it."""
+class Work(StrEnum):
+    """What is calibrated."""
 
-    def __init__(self) -> None:
+    NOTHING = ""
+    CAMERA = "camera"
+    LENS = "lens"
+
+
+class CameraCalibration:
+    """The pictures, and the newest job. Threads may share it."""
+
+    def __init__(self, folder: Path) -> None:
+        """folder: for the pictures."""
+        self.pictures = CalibrationPictures(folder)
+        self.work = Work.NOTHING
+        """What the newest job does."""
+        self.result: Calibration | None = None
+        """Of the present pictures of the field."""
+        self.lens: LensCalibration | None = None
+        """Of the present pictures of a board."""
         self._job = BackgroundJob("a calibration")
-        self.picture: Picture | None = None
 
     @property
     def state(self) -> JobState:
@@ -27,28 +43,44 @@ class CameraCalibration:
 
     @property
     def step(self) -> JobStep:
-        """The newest step; with the result when the job is done."""
+        """The newest step."""
         return self._job.step
 
-    @property
-    def result(self) -> Calibration | None:
-        """Of the newest job, when it is done."""
-        return self.step.found(Calibration) if self.state is JobState.DONE else None
-
-    def take(self, picture: Picture) -> None:
-        """Calibrate by this picture from now on. Raises RequestRefused while a job runs."""
-        self._job.forget()
-        self.picture = picture
-
-    def start(self, job: CalibrationJob) -> None:
-        """Begin. Raises RequestRefused while another job runs, and without a picture."""
+    def check_idle(self) -> None:
+        """Raise RequestRefused while a job runs."""
         self._job.check_idle()
-        if self.picture is None:
-            raise RequestRefused(
-                HTTPStatus.CONFLICT, "a calibration", found="no picture", accepted="take a picture first"
-            )
-        self._job.start(CALIBRATE, msgspec.json.encode(job) + b"\n" + self.picture.pixels.tobytes())
+
+    def forget(self, kind: Kind) -> None:
+        """Forget what was found by other pictures of a kind. Raises RequestRefused while a job runs."""
+        self._job.forget()
+        if kind is Kind.FIELD:
+            self.result = None
+        else:
+            self.lens = None
+
+    def calibrate(self, job: CameraJob) -> None:
+        """Begin with the camera. Raises RequestRefused while another job runs."""
+        self._start(Work.CAMERA, job)
+
+    def measure(self, job: LensJob) -> None:
+        """Begin with the lens. Raises RequestRefused while another job runs."""
+        self._start(Work.LENS, job)
 
     def cancel(self) -> None:
         """End the job that runs, if one does."""
         self._job.cancel()
+
+    def _start(self, work: Work, job: CameraJob | LensJob) -> None:
+        self._job.check_idle()
+        self.work = work
+        if work is Work.CAMERA:
+            self.result = None
+        else:
+            self.lens = None
+        self._job.start(CALIBRATE, msgspec.msgpack.encode(job), self._keep)
+
+    def _keep(self, last: JobStep) -> None:
+        if self.work is Work.CAMERA:
+            self.result = last.found(Calibration)
+        else:
+            self.lens = last.found(LensCalibration)

@@ -8,6 +8,7 @@ identity: whoever may log in to this machine may not therefore change a match.
 from collections.abc import Sequence
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
+from typing import Any
 
 from starlette.datastructures import Headers
 from starlette.requests import Request
@@ -27,10 +28,14 @@ from vision_core.setup.folder import MAX_FILE_BYTES
 JSON = "application/json"
 MAX_BODY = 4096
 """Largest body of a request [bytes]."""
-MAX_BODIES = {"/api/v1/settings/import": 256 * 1024, "/api/v1/new-venue/pictures": MAX_FILE_BYTES}
 FILE = "application/octet-stream"
 """Kind of a file's body: like JSON, no form of a foreign page can send it."""
-FILES = frozenset({"/api/v1/new-venue/pictures"})
+FILE_BODY: dict[str, Any] = {
+    "requestBody": {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
+}
+"""The same in the OpenAPI document."""
+FILES = frozenset({"/api/v1/new-venue/pictures", "/api/v1/calibration/pictures"})
+MAX_BODIES = {"/api/v1/settings/import": 256 * 1024} | dict.fromkeys(FILES, MAX_FILE_BYTES)
 POLICY_VIOLATION = 1008
 BEARER = "bearer "
 HOW = "log in on the page, or send a token: `pslv token NAME` on the server makes one"

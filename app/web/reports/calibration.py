@@ -1,12 +1,18 @@
-"""A calibration of the camera, as the page draws it."""
+"""A calibration of the camera or its lens, as the page draws it."""
 
 import math
+from collections.abc import Sequence
 
 from msgspec import to_builtins
 
 from app.web.background import JobState
-from app.web.calibration.job import CameraCalibration
+from app.web.calibration.job import CameraCalibration, Work
+from app.web.calibration.pictures import CalibrationPicture, Kind
 from app.web.reports.base import Report
+from vision_core.calibration.board.result import LensCalibration
+from vision_core.calibration.result import Calibration
+from vision_core.settings.schema import Settings
+from vision_core.types.reasons import Reason
 
 Point = tuple[float, float]
 
@@ -34,6 +40,16 @@ class LineReport(Report):
     """x, y and the step x, y to where the paint is [px]."""
 
 
+class SeenReport(Report):
+    """What one of several pictures shows of the field."""
+
+    name: str
+    sections: int
+    """Of lines that are seen."""
+    apart_px: float | None
+    """How far from where the others show the field; null: too few lines are seen."""
+
+
 class CalibrationResult(Report):
     """A camera that was calibrated, or an attempt."""
 
@@ -55,15 +71,64 @@ class CalibrationResult(Report):
     height_m: float | None
     """Of the camera."""
     focal_px: float | None
+    pictures: list[SeenReport]
+    """What each of several pictures shows; empty for one."""
+
+
+class BoardReport(Report):
+    """One picture of a board."""
+
+    name: str
+    paper: str
+    """Of the board: A4 or A3; empty: none was seen."""
+    unseen: str
+    """Why it does not count; empty: it does."""
+    corners: list[tuple[float, float, float, float]]
+    """x, y and the step x, y to where the lens puts the corner [px]."""
+    rms_px: float | None
+    held_out_px: float | None
+    """The same by the lens of all other pictures."""
+    tilt_deg: float | None
+
+
+class LensResult(Report):
+    """A lens that was measured with a board, or an attempt."""
+
+    accepted: bool
+    """It may be taken."""
+    reasons: list[ReasonReport]
+    notes: list[str]
+    pictures: list[BoardReport]
+    corners: int
+    rms_px: float | None
+    bend_error_px: float | None
+    """Two standard deviations of a place in the picture, where it is largest."""
+    coverage: float
+    """Share of the picture in which a board was seen, 0..1."""
+    regions: list[float]
+    """The same for each ninth of the picture, row by row."""
+    focal_px: float | None
+    focal_deviation_px: float | None
+
+
+class CalibrationPictureReport(Report):
+    """A picture to calibrate by."""
+
+    number: int
+    name: str
+    width_px: int
+    height_px: int
 
 
 class CalibrationReport(Report):
-    """The picture that is calibrated by, and the newest job."""
+    """The pictures that are calibrated by, and the newest job."""
 
-    picture: int | None
-    """Number of its frame; null: none was taken."""
-    width_px: int
-    height_px: int
+    pictures: list[CalibrationPictureReport]
+    """Of the field, by one camera that did not move."""
+    boards: list[CalibrationPictureReport]
+    """Of a board."""
+    work: Work
+    """What the newest job does: camera or lens."""
     state: JobState
     """none, running, done (with a result, accepted or refused), failed (see error) or cancelled."""
     what: str
@@ -72,31 +137,39 @@ class CalibrationReport(Report):
     """0..1 of the work is done."""
     error: str
     result: CalibrationResult | None
+    lens: LensResult | None
+    held_focal_px: float | None
+    """Focal length of the lens that the settings have (camera.lens), which holds; null: they have none."""
 
 
-def calibration_from(job: CameraCalibration) -> CalibrationReport:
-    """The report of the newest job."""
-    picture, step = job.picture, job.step
-    height, width = picture.pixels.shape[:2] if picture is not None else (0, 0)
+def calibration_from(job: CameraCalibration, settings: Settings) -> CalibrationReport:
+    """The report of the newest job. settings: with the changes that wait for a restart."""
+    step, held = job.step, settings.camera.lens
     return CalibrationReport(
-        picture=picture.number if picture is not None else None,
-        width_px=width,
-        height_px=height,
+        pictures=_pictures(job.pictures.of(Kind.FIELD)),
+        boards=_pictures(job.pictures.of(Kind.BOARD)),
+        work=job.work,
         state=job.state,
         what=step.what,
         share=step.share,
         error=step.error,
-        result=_result(job),
+        result=None if job.result is None else _result(job.result),
+        lens=None if job.lens is None else _lens(job.lens),
+        held_focal_px=None if held is None else held.focal_px,
     )
 
 
-def _result(job: CameraCalibration) -> CalibrationResult | None:
-    result = job.result
-    if result is None:
-        return None
+def _pictures(pictures: Sequence[CalibrationPicture]) -> list[CalibrationPictureReport]:
+    return [
+        CalibrationPictureReport(number=one.number, name=one.name, width_px=one.size_px[0], height_px=one.size_px[1])
+        for one in pictures
+    ]
+
+
+def _result(result: Calibration) -> CalibrationResult:
     return CalibrationResult(
         accepted=result.accepted,
-        reasons=[ReasonReport(text=reason.text, advice=reason.advice) for reason in result.reasons],
+        reasons=_reasons(result.reasons),
         notes=list(result.notes),
         lines=[LineReport(**{key: to_builtins(line)[key] for key in LineReport.model_fields}) for line in result.lines],
         samples=result.samples,
@@ -106,7 +179,31 @@ def _result(job: CameraCalibration) -> CalibrationResult | None:
         coverage=result.coverage,
         height_m=_finite(result.camera.position_m[2]),
         focal_px=_finite(result.camera.focal_px),
+        pictures=[
+            SeenReport(name=one.name, sections=one.sections, apart_px=_finite(one.apart_px)) for one in result.pictures
+        ],
     )
+
+
+def _lens(result: LensCalibration) -> LensResult:
+    lens = result.lens
+    return LensResult(
+        accepted=result.accepted,
+        reasons=_reasons(result.reasons),
+        notes=list(result.notes),
+        pictures=[BoardReport(**to_builtins(one)) for one in result.pictures],
+        corners=result.corners,
+        rms_px=_finite(result.rms_px),
+        bend_error_px=_finite(result.bend_error_px),
+        coverage=result.coverage,
+        regions=list(result.regions.values()),
+        focal_px=None if lens is None else lens.focal_px,
+        focal_deviation_px=None if lens is None else lens.focal_deviation_px,
+    )
+
+
+def _reasons(reasons: Sequence[Reason]) -> list[ReasonReport]:
+    return [ReasonReport(text=reason.text, advice=reason.advice) for reason in reasons]
 
 
 def _finite(value: float) -> float | None:

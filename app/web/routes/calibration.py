@@ -1,23 +1,33 @@
-"""``/api/v1/calibration``: calibrates the camera by the field's painted lines in one picture."""
+"""``/api/v1/calibration``: the camera by the field's painted lines in pictures, and its lens by pictures of a board."""
 
+import asyncio
+from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, HTTPException, Request, Response
+from fastapi import APIRouter, HTTPException, Query, Request, Response
 from msgspec import to_builtins
 from pydantic import ConfigDict, Field
 
-from app.web.auth.identity import identity_of
 from app.web.blackboard import Blackboard
 from app.web.calibration.job import CameraCalibration
+from app.web.calibration.pictures import Kind
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import setting
+from app.web.middleware.gate import FILE_BODY
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.calibration import CalibrationReport, Point, calibration_from
-from app.web.reports.changes import ChangeReport, change_from, not_made
-from vision_core.calibration.job import CalibrationJob
-from vision_core.native.opencv import encode_png
+from app.web.reports.changes import ChangeReport
+from app.web.routes.change import change
+from vision_core.calibration.board.board import BOARDS
+from vision_core.calibration.board.result import LensCalibration
+from vision_core.calibration.board.sheet import FORMS
+from vision_core.calibration.job import CameraJob, LensJob
+from vision_core.calibration.result import Calibration
+
+MEDIA = {"pdf": "application/pdf", "svg": "image/svg+xml", "png": "image/png"}
 
 
 class CalibrationRequest(Report):
@@ -28,7 +38,7 @@ class CalibrationRequest(Report):
     corners_px: Annotated[list[Point], Field(min_length=4, max_length=4)] | None = None
     """Outer corners of the field's lines: left top, right top, right bottom, left bottom. They need not be exact."""
     find: bool = False
-    """Without corners: search the field in the picture. Otherwise the camera in use is the first guess."""
+    """Without corners: search the field in the pictures. Otherwise the camera in use is the first guess."""
     height_m: Annotated[float, Field(ge=0.1, le=100.0)] | None = None
     """Height of the camera by tape measure."""
     swap_ends: bool = False
@@ -36,67 +46,144 @@ class CalibrationRequest(Report):
 
 
 def calibration_routes(blackboard: Blackboard, configuration: Configuration) -> APIRouter:
-    """Taking a picture, calibrating by it, taking the result over."""
-    router = APIRouter(prefix="/api/v1/calibration", tags=["calibration"])
-    job = CameraCalibration()
+    """Pictures, calibrating by them, taking the result over."""
+    router = APIRouter(prefix="/api/v1/calibration", tags=["calibration"], responses=REFUSED)
+    database = Path(blackboard.service.database)
+    job = CameraCalibration(database.parent / f"{database.stem}-calibration")
+    _picture_routes(router, job, blackboard, configuration)
+    _job_routes(router, job, configuration)
+    _end_routes(router, job, configuration)
+    return router
+
+
+def _picture_routes(
+    router: APIRouter, job: CameraCalibration, blackboard: Blackboard, configuration: Configuration
+) -> None:
+    """The pictures, and a board to print."""
 
     @router.get("")
     def calibration() -> CalibrationReport:
-        """The picture, how far the newest calibration is, and its result."""
-        return calibration_from(job)
+        """The pictures, how far the newest calibration is, and its result."""
+        return calibration_from(job, configuration.settings)
 
-    @router.post("/picture", responses=REFUSED)
-    def take_picture() -> CalibrationReport:
-        """Takes the newest picture to calibrate by."""
+    @router.post("/pictures", openapi_extra=FILE_BODY)
+    async def add(request: Request, of: Kind, name: Annotated[str, Query(max_length=200)]) -> CalibrationReport:
+        """Takes one picture's file, at most 32 MB, as application/octet-stream. A bad one is refused with its name,
+        and the others stay."""
+        job.check_idle()
+        data = await request.body()
+        await asyncio.to_thread(job.pictures.add, of, name, data)
+        job.forget(of)
+        return calibration_from(job, configuration.settings)
+
+    @router.post("/pictures/camera")
+    def take(of: Kind) -> CalibrationReport:
+        """Takes the newest picture of the camera in use, beside those that are there."""
         picture = blackboard.picture()
         if picture is None:
             raise HTTPException(503, "no image yet")
-        job.take(picture)
-        return calibration_from(job)
+        job.forget(of)
+        job.pictures.add_pixels(of, f"frame-{picture.number}.png", picture.pixels)
+        return calibration_from(job, configuration.settings)
 
-    @router.get("/picture.png", response_class=Response, responses=REFUSED)
-    def picture() -> Response:
-        """The picture that is calibrated by."""
-        if job.picture is None:
-            raise RequestRefused(HTTPStatus.NOT_FOUND, "the picture", found="none", accepted="take a picture first")
-        return Response(encode_png(job.picture.pixels), media_type="image/png")
+    @router.delete("/pictures")
+    def clear(of: Kind) -> CalibrationReport:
+        """Takes all pictures of the field, or of a board, out."""
+        job.forget(of)
+        job.pictures.clear(of)
+        return calibration_from(job, configuration.settings)
 
-    @router.post("", status_code=HTTPStatus.ACCEPTED, responses=REFUSED)
+    @router.delete("/pictures/{number}")
+    def remove(number: int) -> CalibrationReport:
+        """Takes a picture out."""
+        kind = job.pictures.picture(number).kind
+        job.forget(kind)
+        job.pictures.remove(number)
+        return calibration_from(job, configuration.settings)
+
+    @router.get("/pictures/{number}.jpg", response_class=Response)
+    def shown(number: int, small: bool = False) -> Response:
+        """A picture as a browser shows it."""
+        return Response(job.pictures.shown(number, small=small), media_type="image/jpeg")
+
+    @router.get("/board.{form}", response_class=Response)
+    def board(form: Literal["pdf", "svg", "png"], paper: Literal["A4", "A3"] = "A4") -> Response:
+        """A board to print at 100 % (pdf, svg), or to show on a flat screen (png)."""
+        name = f'attachment; filename="pslv-board-{paper}.{form}"'
+        data = FORMS[form](BOARDS[paper])
+        return Response(data, media_type=MEDIA[form], headers={"content-disposition": name})
+
+
+def _job_routes(router: APIRouter, job: CameraCalibration, configuration: Configuration) -> None:
+    """What takes a while."""
+
+    @router.post("", status_code=HTTPStatus.ACCEPTED)
     def start(wanted: CalibrationRequest) -> CalibrationReport:
-        """Begins; GET says how far it is. The service goes on meanwhile, and nothing changes."""
-        height, width = job.picture.pixels.shape[:2] if job.picture is not None else (0, 0)
+        """Begins with the camera; GET says how far it is. The service goes on meanwhile, and nothing changes.
+        A lens that was measured with a board and taken over holds."""
         corners = tuple(wanted.corners_px) if wanted.corners_px is not None else None
-        job.start(
-            CalibrationJob(
+        job.calibrate(
+            CameraJob(
                 settings=configuration.settings,
-                size_px=(width, height),
+                pictures=job.pictures.files(Kind.FIELD),
                 corners_px=corners,
                 finds=wanted.find,
                 height_m=wanted.height_m,
                 swaps_ends=wanted.swap_ends,
+                frees_measures=False,
             )
         )
-        return calibration_from(job)
+        return calibration_from(job, configuration.settings)
 
-    @router.delete("", responses=REFUSED)
+    @router.post("/lens", status_code=HTTPStatus.ACCEPTED)
+    def measure() -> CalibrationReport:
+        """Begins with the lens, by the pictures of a board; GET says how far it is."""
+        job.measure(LensJob(job.pictures.files(Kind.BOARD)))
+        return calibration_from(job, configuration.settings)
+
+    @router.delete("")
     def cancel() -> CalibrationReport:
         """Ends the calibration that runs; nothing is kept of it."""
         job.cancel()
-        return calibration_from(job)
+        return calibration_from(job, configuration.settings)
 
-    @router.post("/accept", responses=REFUSED)
+
+def _end_routes(router: APIRouter, job: CameraCalibration, configuration: Configuration) -> None:
+    """What was found becomes the setting."""
+
+    @router.post("/accept")
     def accept(request: Request) -> ChangeReport:
         """Makes the calibrated camera the setting, as one change that can be undone. It waits for a restart."""
         result = job.result
-        if result is None or not result.accepted:
-            found = "; ".join(str(reason) for reason in result.reasons) if result else "no result"
-            raise RequestRefused(
-                HTTPStatus.CONFLICT, "take the camera over", found=found, accepted="a good calibration"
-            )
-        camera = {f"camera.pinhole.{key}": value for key, value in to_builtins(result.camera).items()}
-        values = {setting(key): value for key, value in {"camera.model": "pinhole", **camera}.items()}
-        what = f"camera calibrated by frame {job.picture.number if job.picture else 0}: {result.rms_px:.2f} px"
-        made = configuration.change(values, who=identity_of(request).name, what=what)
-        return change_from(made) if made else not_made(configuration.revision, what)
+        _check(result, "take the camera over")
+        assert result is not None
+        lens = {f"camera.pinhole.{key}": value for key, value in to_builtins(result.camera).items()}
+        count = len(job.pictures.of(Kind.FIELD))
+        pictures = "one picture" if count == 1 else f"{count} pictures"
+        what = f"camera calibrated by {pictures}: {result.rms_px:.2f} px"
+        return _changed(configuration, request, {"camera.model": "pinhole", **lens}, what)
 
-    return router
+    @router.post("/lens/accept")
+    def accept_lens(request: Request) -> ChangeReport:
+        """Makes the measured lens the setting, which holds in calibrations of the camera from now on."""
+        result = job.lens
+        _check(result, "take the lens over")
+        assert result is not None
+        what = f"lens measured by {len(result.pictures)} pictures of a board: {result.rms_px:.2f} px"
+        return _changed(configuration, request, {"camera.lens": to_builtins(result.lens)}, what)
+
+    @router.delete("/lens")
+    def forget_lens(request: Request) -> ChangeReport:
+        """Takes the lens out of the settings again: lines tell it anew. One of a venue's file stays."""
+        return _changed(configuration, request, {"camera.lens": None}, "without the measured lens")
+
+
+def _check(result: Calibration | LensCalibration | None, what: str) -> None:
+    """Raise RequestRefused for a result that is not to be trusted."""
+    if result is None or not result.accepted:
+        found = "; ".join(str(reason) for reason in result.reasons) if result else "no result"
+        raise RequestRefused(HTTPStatus.CONFLICT, what, found=found, accepted="a good calibration")
+
+
+def _changed(configuration: Configuration, request: Request, values: Mapping[str, Any], what: str) -> ChangeReport:
+    return change(configuration, {setting(key): value for key, value in values.items()}, request, what)

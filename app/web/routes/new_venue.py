@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field
 from app.web.blackboard import Blackboard
 from app.web.configuration import sources
 from app.web.configuration.configuration import Configuration
-from app.web.middleware.gate import FILE
+from app.web.middleware.gate import FILE_BODY
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.calibration import Point
@@ -30,7 +30,8 @@ from app.web.reports.new_venue import (
     venue_from,
 )
 from app.web.routes.change import change
-from app.web.venue.desk import Desk, refused
+from app.web.venue.asking import refused
+from app.web.venue.desk import Desk
 from app.web.venue.use import changes_to, differences
 from vision_core.patterns.drawing import marker_svg
 from vision_core.rtdb.infos import ServiceInfo
@@ -46,9 +47,6 @@ from vision_core.venues.loader import layers_of, own_venues_folder, settings_fro
 Height = Annotated[float, Field(ge=0.1, le=100.0)]
 OWN_FIELD = "ssl-2002"
 """The preset below a field whose measures were typed: it gives the mirror."""
-BINARY: dict[str, Any] = {
-    "requestBody": {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
-}
 
 
 class DraftPatch(Report):
@@ -195,7 +193,7 @@ def _draft_routes(router: APIRouter, desk: Desk) -> None:
 def _picture_routes(router: APIRouter, desk: Desk, blackboard: Blackboard) -> None:
     """Pictures of the venue."""
 
-    @router.post("/pictures", openapi_extra=BINARY)
+    @router.post("/pictures", openapi_extra=FILE_BODY)
     async def add(request: Request, name: Annotated[str, Query(max_length=200)]) -> NewVenueReport:
         """Takes one picture's file, at most 32 MB, as application/octet-stream. A bad one is refused with its name,
         and the others stay."""

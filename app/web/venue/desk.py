@@ -1,16 +1,15 @@
 """The draft of a new venue, one per service, and the steps that look at its pictures, each in a process of its own."""
 
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from http import HTTPStatus
 from pathlib import Path
 from typing import TypeVar
 
 import msgspec
 
-from app.web.background import BackgroundJob, ask
+from app.web.background import BackgroundJob
 from app.web.problems import RequestRefused
+from app.web.venue.asking import asked, refused
 from vision_core.errors import PslvError
 from vision_core.geometry import Bytes
 from vision_core.native.opencv import encode_png
@@ -77,7 +76,7 @@ class Desk:
             self.drafts.room_for(name, len(data))
             path = self.drafts.unlisted(name, data)
             try:
-                looked = self._asked(Look(str(path), name, self.draft.size_px), Looked, f"picture {name}")
+                looked = asked(Look(str(path), name, self.draft.size_px, needs_color=True), Looked, f"picture {name}")
                 self.drafts.add(path, name, (looked.width_px, looked.height_px))
             except (PslvError, RequestRefused):
                 self.drafts.drop(path)
@@ -198,7 +197,7 @@ class Desk:
         """Add the color of a place to a class. index: of the picture. Raises RequestRefused."""
         picture = self._picture(index)
         job = Pick(self.draft, picture, place_px, radius_px, name)
-        picked = self._asked(job, Picked, f"a sample of {name}")
+        picked = asked(job, Picked, f"a sample of {name}")
         color = picked.sampled.color
         with refused(HTTPStatus.UNPROCESSABLE_ENTITY, field="name"):
             self.drafts.change(with_sample(self.draft, name, color), f"sample {color} of {name}")
@@ -210,7 +209,7 @@ class Desk:
         """The class of every pixel of a picture. Raises RequestRefused."""
         of = self.drafts.number, self._picture(index)
         if self._classes is None or self._classes[0] != of:
-            self._classes = of, self._asked(MapClasses(self.draft, of[1]), ClassMap, "the color classes")
+            self._classes = of, asked(MapClasses(self.draft, of[1]), ClassMap, "the color classes")
         return self._classes[1]
 
     def shown(self, index: int, *, small: bool) -> bytes:
@@ -219,7 +218,7 @@ class Desk:
         if (path, width) not in self._shown:
             while len(self._shown) >= SHOWN:
                 self._shown.pop(next(iter(self._shown)), None)
-            self._shown[path, width] = self._asked(Show(path, width), bytes, "the picture")
+            self._shown[path, width] = asked(Show(path, width), bytes, "the picture")
         return self._shown[path, width]
 
     def picture(self, index: int) -> DraftPicture:
@@ -258,31 +257,7 @@ class Desk:
         self.job.start(SET_UP, msgspec.msgpack.encode(job), keep)
         self.step = step
 
-    def _asked(self, job: SetupJob, form: type[T], what: str) -> T:
-        step = ask(SET_UP, msgspec.msgpack.encode(job), what)
-        found = step.found(form)
-        if found is None:
-            asked, found_words, accepted = _parts(step.error, what)
-            raise RequestRefused(HTTPStatus.UNPROCESSABLE_ENTITY, asked, found=found_words, accepted=accepted)
-        return found
-
 
 def _seen_with(draft: Draft) -> Draft:
     """What of a draft decides what is seen."""
     return msgspec.structs.replace(draft, name=Draft().name, about="", source="")
-
-
-@contextmanager
-def refused(status: HTTPStatus, field: str = "") -> Iterator[None]:
-    """Turns our own errors into refusals of the request. field: of the form that is wrong."""
-    try:
-        yield
-    except PslvError as error:
-        raise RequestRefused(status, error.asked, found=error.found, accepted=error.accepted, field=field) from None
-
-
-def _parts(error: str, what: str) -> tuple[str, str, str]:
-    """What an error of a process asked, found and would accept."""
-    asked, _, rest = error.partition("; found: ")
-    found, _, accepted = rest.partition("; accepted: ")
-    return (asked, found, accepted) if found else (what, error, "input that can be used")

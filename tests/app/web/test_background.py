@@ -24,7 +24,7 @@ CHATTER = "this"
 def look(tmp_path: Path) -> bytes:
     path = tmp_path / "a.png"
     write_picture(path, np.random.default_rng(1).integers(0, 255, (48, 64, 3), dtype=np.uint8))
-    return msgspec.msgpack.encode(Look(str(path), "a.png", None))
+    return msgspec.msgpack.encode(Look(str(path), "a.png", None, needs_color=True))
 
 
 def test_a_job_outlives_the_thread_that_began_it(look: bytes) -> None:

@@ -73,13 +73,14 @@ export interface paths {
         };
         /**
          * Calibration
-         * @description The picture, how far the newest calibration is, and its result.
+         * @description The pictures, how far the newest calibration is, and its result.
          */
         get: operations["calibration_api_v1_calibration_get"];
         put?: never;
         /**
          * Start
-         * @description Begins; GET says how far it is. The service goes on meanwhile, and nothing changes.
+         * @description Begins with the camera; GET says how far it is. The service goes on meanwhile, and nothing changes.
+         *     A lens that was measured with a board and taken over holds.
          */
         post: operations["start_api_v1_calibration_post"];
         /**
@@ -112,7 +113,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/calibration/picture": {
+    "/api/v1/calibration/board.{form}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Board
+         * @description A board to print at 100 % (pdf, svg), or to show on a flat screen (png).
+         */
+        get: operations["board_api_v1_calibration_board__form__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/lens": {
         parameters: {
             query?: never;
             header?: never;
@@ -122,17 +143,106 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Take Picture
-         * @description Takes the newest picture to calibrate by.
+         * Measure
+         * @description Begins with the lens, by the pictures of a board; GET says how far it is.
          */
-        post: operations["take_picture_api_v1_calibration_picture_post"];
+        post: operations["measure_api_v1_calibration_lens_post"];
+        /**
+         * Forget Lens
+         * @description Takes the lens out of the settings again: lines tell it anew. One of a venue's file stays.
+         */
+        delete: operations["forget_lens_api_v1_calibration_lens_delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/lens/accept": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Accept Lens
+         * @description Makes the measured lens the setting, which holds in calibrations of the camera from now on.
+         */
+        post: operations["accept_lens_api_v1_calibration_lens_accept_post"];
         delete?: never;
         options?: never;
         head?: never;
         patch?: never;
         trace?: never;
     };
-    "/api/v1/calibration/picture.png": {
+    "/api/v1/calibration/pictures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Add
+         * @description Takes one picture's file, at most 32 MB, as application/octet-stream. A bad one is refused with its name,
+         *     and the others stay.
+         */
+        post: operations["add_api_v1_calibration_pictures_post"];
+        /**
+         * Clear
+         * @description Takes all pictures of the field, or of a board, out.
+         */
+        delete: operations["clear_api_v1_calibration_pictures_delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/pictures/camera": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take
+         * @description Takes the newest picture of the camera in use, beside those that are there.
+         */
+        post: operations["take_api_v1_calibration_pictures_camera_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/pictures/{number}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Remove
+         * @description Takes a picture out.
+         */
+        delete: operations["remove_api_v1_calibration_pictures__number__delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/pictures/{number}.jpg": {
         parameters: {
             query?: never;
             header?: never;
@@ -140,10 +250,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Picture
-         * @description The picture that is calibrated by.
+         * Shown
+         * @description A picture as a browser shows it.
          */
-        get: operations["picture_api_v1_calibration_picture_png_get"];
+        get: operations["shown_api_v1_calibration_pictures__number__jpg_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1621,6 +1731,43 @@ export interface components {
             who: string;
         };
         /**
+         * BoardReport
+         * @description One picture of a board.
+         */
+        BoardReport: {
+            /**
+             * Corners
+             * @description x, y and the step x, y to where the lens puts the corner [px].
+             */
+            corners: [
+                number,
+                number,
+                number,
+                number
+            ][];
+            /**
+             * Held Out Px
+             * @description The same by the lens of all other pictures.
+             */
+            held_out_px: number | null;
+            /** Name */
+            name: string;
+            /**
+             * Paper
+             * @description Of the board: A4 or A3; empty: none was seen.
+             */
+            paper: string;
+            /** Rms Px */
+            rms_px: number | null;
+            /** Tilt Deg */
+            tilt_deg: number | null;
+            /**
+             * Unseen
+             * @description Why it does not count; empty: it does.
+             */
+            unseen: string;
+        };
+        /**
          * BoundaryReport
          * @description Where the field's carpet ends in the picture.
          */
@@ -1649,19 +1796,42 @@ export interface components {
             off_px: number | null;
         };
         /**
-         * CalibrationReport
-         * @description The picture that is calibrated by, and the newest job.
+         * CalibrationPictureReport
+         * @description A picture to calibrate by.
          */
-        CalibrationReport: {
-            /** Error */
-            error: string;
+        CalibrationPictureReport: {
             /** Height Px */
             height_px: number;
+            /** Name */
+            name: string;
+            /** Number */
+            number: number;
+            /** Width Px */
+            width_px: number;
+        };
+        /**
+         * CalibrationReport
+         * @description The pictures that are calibrated by, and the newest job.
+         */
+        CalibrationReport: {
             /**
-             * Picture
-             * @description Number of its frame; null: none was taken.
+             * Boards
+             * @description Of a board.
              */
-            picture: number | null;
+            boards: components["schemas"]["CalibrationPictureReport"][];
+            /** Error */
+            error: string;
+            /**
+             * Held Focal Px
+             * @description Focal length of the lens that the settings have (camera.lens), which holds; null: they have none.
+             */
+            held_focal_px: number | null;
+            lens: components["schemas"]["LensResult"] | null;
+            /**
+             * Pictures
+             * @description Of the field, by one camera that did not move.
+             */
+            pictures: components["schemas"]["CalibrationPictureReport"][];
             result: components["schemas"]["CalibrationResult"] | null;
             /**
              * Share
@@ -1675,8 +1845,8 @@ export interface components {
              * @description What is being done.
              */
             what: string;
-            /** Width Px */
-            width_px: number;
+            /** @description What the newest job does: camera or lens. */
+            work: components["schemas"]["Work"];
         };
         /**
          * CalibrationRequest
@@ -1693,7 +1863,7 @@ export interface components {
             ][] | null;
             /**
              * Find
-             * @description Without corners: search the field in the picture. Otherwise the camera in use is the first guess.
+             * @description Without corners: search the field in the pictures. Otherwise the camera in use is the first guess.
              * @default false
              */
             find: boolean;
@@ -1745,6 +1915,11 @@ export interface components {
             marker_error_mm: number | null;
             /** Notes */
             notes: string[];
+            /**
+             * Pictures
+             * @description What each of several pictures shows; empty for one.
+             */
+            pictures: components["schemas"]["SeenReport"][];
             /**
              * Reasons
              * @description Why it is refused; empty when it is accepted.
@@ -2573,6 +2748,12 @@ export interface components {
          */
         JobState: "none" | "running" | "done" | "failed" | "cancelled";
         /**
+         * Kind
+         * @description What pictures show.
+         * @enum {string}
+         */
+        "Kind-Input": "field" | "board";
+        /**
          * LagSummary
          * @description One part of the lag over the last frames.
          */
@@ -2625,6 +2806,46 @@ export interface components {
              * @description From the shutter to the grab, as configured [ms]; it comes before A.
              */
             shutter_delay_ms: number;
+        };
+        /**
+         * LensResult
+         * @description A lens that was measured with a board, or an attempt.
+         */
+        LensResult: {
+            /**
+             * Accepted
+             * @description It may be taken.
+             */
+            accepted: boolean;
+            /**
+             * Bend Error Px
+             * @description Two standard deviations of a place in the picture, where it is largest.
+             */
+            bend_error_px: number | null;
+            /** Corners */
+            corners: number;
+            /**
+             * Coverage
+             * @description Share of the picture in which a board was seen, 0..1.
+             */
+            coverage: number;
+            /** Focal Deviation Px */
+            focal_deviation_px: number | null;
+            /** Focal Px */
+            focal_px: number | null;
+            /** Notes */
+            notes: string[];
+            /** Pictures */
+            pictures: components["schemas"]["BoardReport"][];
+            /** Reasons */
+            reasons: components["schemas"]["ReasonReport"][];
+            /**
+             * Regions
+             * @description The same for each ninth of the picture, row by row.
+             */
+            regions: number[];
+            /** Rms Px */
+            rms_px: number | null;
         };
         /**
          * LightInForce
@@ -3512,6 +3733,24 @@ export interface components {
             revision: number;
         };
         /**
+         * SeenReport
+         * @description What one of several pictures shows of the field.
+         */
+        SeenReport: {
+            /**
+             * Apart Px
+             * @description How far from where the others show the field; null: too few lines are seen.
+             */
+            apart_px: number | null;
+            /** Name */
+            name: string;
+            /**
+             * Sections
+             * @description Of lines that are seen.
+             */
+            sections: number;
+        };
+        /**
          * SeenRobotReport
          * @description A robot that was found.
          */
@@ -4104,6 +4343,12 @@ export interface components {
             team: components["schemas"]["Team"] | null;
         };
         /**
+         * Work
+         * @description What is calibrated.
+         * @enum {string}
+         */
+        Work: "" | "camera" | "lens";
+        /**
          * Kind
          * @description What an entry tells.
          * @enum {string}
@@ -4345,6 +4590,51 @@ export interface operations {
                     "application/json": components["schemas"]["CalibrationReport"];
                 };
             };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
         };
     };
     start_api_v1_calibration_post: {
@@ -4546,9 +4836,345 @@ export interface operations {
             };
         };
     };
-    take_picture_api_v1_calibration_picture_post: {
+    board_api_v1_calibration_board__form__get: {
+        parameters: {
+            query?: {
+                paper?: "A4" | "A3";
+            };
+            header?: never;
+            path: {
+                form: "pdf" | "svg" | "png";
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    measure_api_v1_calibration_lens_post: {
         parameters: {
             query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    forget_lens_api_v1_calibration_lens_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    accept_lens_api_v1_calibration_lens_accept_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    add_api_v1_calibration_pictures_post: {
+        parameters: {
+            query: {
+                of: components["schemas"]["Kind-Input"];
+                name: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": string;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    clear_api_v1_calibration_pictures_delete: {
+        parameters: {
+            query: {
+                of: components["schemas"]["Kind-Input"];
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -4611,11 +5237,149 @@ export interface operations {
             };
         };
     };
-    picture_api_v1_calibration_picture_png_get: {
+    take_api_v1_calibration_pictures_camera_post: {
+        parameters: {
+            query: {
+                of: components["schemas"]["Kind-Input"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    remove_api_v1_calibration_pictures__number__delete: {
         parameters: {
             query?: never;
             header?: never;
-            path?: never;
+            path: {
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    shown_api_v1_calibration_pictures__number__jpg_get: {
+        parameters: {
+            query?: {
+                small?: boolean;
+            };
+            header?: never;
+            path: {
+                number: number;
+            };
             cookie?: never;
         };
         requestBody?: never;

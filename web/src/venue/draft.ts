@@ -6,6 +6,7 @@ import { api, ApiError } from "../api/client";
 import type { NewVenue, VenueChoices, VenuePatch } from "../api/types";
 import { refuse } from "../widgets/changes";
 import { complain } from "../widgets/toasts";
+import { upload } from "../widgets/upload";
 
 const BASE = "/new-venue";
 const POLL_MS = 300;
@@ -44,22 +45,7 @@ export function useDraft() {
   const remove = (path: string) => run(api.delete<NewVenue>(`${BASE}${path}`));
   const choose = (patch: Partial<VenuePatch>) => (forget(), run(api.patch<NewVenue>(BASE, { ...patch, seen: venue.value?.number ?? null })));
 
-  /** Send pictures one by one: a bad one is named, and the others stay. Returns the words of those that were refused. */
-  async function upload(files: readonly File[], progress: (words: string) => void): Promise<string[]> {
-    const refused: string[] = [];
-    for (const [index, file] of files.entries()) {
-      progress(`${index + 1} of ${files.length}: ${file.name}`);
-      try {
-        show(await api.file<NewVenue>(`${BASE}/pictures?name=${encodeURIComponent(file.name)}`, file));
-      } catch (error) {
-        if (!(error instanceof ApiError)) throw error;
-        const { found, accepted } = error.problem;
-        refused.push(`${file.name}: ${found ? `${found}; accepted: ${accepted ?? ""}` : error.message}`);
-      }
-    }
-    progress("");
-    return refused;
-  }
+  const send = (files: readonly File[], progress: (words: string) => void) => upload<NewVenue>(`${BASE}/pictures?name=`, files, show, progress);
 
   async function load(): Promise<void> {
     try {
@@ -75,7 +61,7 @@ export function useDraft() {
   onMounted(() => void load());
   onUnmounted(() => clearTimeout(timer));
   const isRunning = computed(() => venue.value?.state === "running");
-  return { venue, choices, errors, isRunning, run, post, remove, choose, upload, load };
+  return { venue, choices, errors, isRunning, run, post, remove, choose, send, load };
 }
 
 /** Fields that have a place for words beside them. */

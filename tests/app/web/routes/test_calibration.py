@@ -1,4 +1,4 @@
-"""The camera is calibrated over the API: by a picture, in a process of its own, taken over as a change with undo."""
+"""The camera is calibrated over the API: by pictures, in a process of its own, taken over with undo; and its lens."""
 
 from collections.abc import Iterator
 
@@ -7,14 +7,17 @@ import numpy as np
 import pytest
 
 from app.web.blackboard import Blackboard, Picture
+from bench.board_views import board_pictures
 from bench.calibration_views import View, floor_error_m, view
 from tests.app.fake_service import FakeService, Scene, served_page, wait_for
 from vision_core.calibration.find import corners_m
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
+from vision_core.native.opencv import encode_png
 from vision_core.settings.schema import PinholeSettings
 
 pytestmark = pytest.mark.slow
+FILE = {"Content-Type": "application/octet-stream"}
 
 
 @pytest.fixture(scope="module")
@@ -37,10 +40,11 @@ def http() -> Iterator[httpx.Client]:
 def take(http: httpx.Client, monkeypatch: pytest.MonkeyPatch, pixels: Bytes) -> None:
     """Take a picture that the camera has just made."""
     monkeypatch.setattr(Blackboard, "picture", lambda _self: Picture(7, Instant(1), pixels))
-    taken = http.post("/calibration/picture")
+    taken = http.post("/calibration/pictures/camera?of=field")
     assert taken.status_code == 200
-    assert taken.json()["picture"] == 7
-    assert http.get("/calibration/picture.png").content.startswith(b"\x89PNG")
+    (picture,) = taken.json()["pictures"]
+    assert picture["name"] == "frame-7.png"
+    assert http.get(f"/calibration/pictures/{picture['number']}.jpg").content.startswith(b"\xff\xd8")
 
 
 def wait_for_end(http: httpx.Client) -> dict[str, object]:
@@ -101,5 +105,54 @@ def test_a_calibration_is_cancelled(http: httpx.Client, monkeypatch: pytest.Monk
     take(http, monkeypatch, shown.pixels)
     assert http.post("/calibration", json={"find": True}).status_code == 202
     assert http.delete("/calibration").json()["state"] == "cancelled"
-    wait_for(lambda: http.post("/calibration/picture").status_code == 200, 20.0)
+    wait_for(lambda: http.delete("/calibration/pictures?of=field").status_code == 200, 20.0)
+    assert http.get("/calibration").json()["pictures"] == []
     assert http.get("/calibration").json()["result"] is None
+
+
+def test_pictures_that_were_given_count_together_and_the_one_that_moved_is_named(
+    http: httpx.Client, shown: View
+) -> None:
+    moved = np.roll(shown.pixels, 9, axis=1)
+    for name, pixels in (("a.png", shown.pixels), ("b.png", shown.pixels), ("c.png", moved)):
+        given = http.post(f"/calibration/pictures?of=field&name={name}", content=encode_png(pixels), headers=FILE)
+        assert given.status_code == 200, given.text
+    refused = http.post("/calibration/pictures?of=field&name=d.png", content=b"none", headers=FILE)
+    assert (refused.status_code, refused.json()["asked"]) == (422, "picture d.png")
+    small = encode_png(shown.pixels[:-2])
+    other = http.post("/calibration/pictures?of=field&name=e.png", content=small, headers=FILE)
+    assert "780x580 as the first picture" in other.json()["accepted"]
+
+    http.post("/calibration", json={"find": True})
+    result = wait_for_end(http)["result"]
+    assert isinstance(result, dict)
+    assert "c.png shows the field 9.0 px to the right" in result["reasons"][0]["text"]
+    assert http.delete("/calibration/pictures/3").status_code == 200
+    assert http.delete("/calibration/pictures/3").status_code == 404
+    http.post("/calibration", json={"find": True})
+    result = wait_for_end(http)["result"]
+    assert isinstance(result, dict)
+    assert result["accepted"], result["reasons"]
+    assert [one["name"] for one in result["pictures"]] == ["a.png", "b.png"]
+
+
+def test_a_lens_is_measured_with_a_board_taken_over_and_taken_out(http: httpx.Client) -> None:
+    refused = http.post("/calibration/lens")
+    assert (refused.status_code, refused.json()["accepted"]) == (409, "take a picture first")
+    assert http.get("/calibration/board.pdf?paper=A3").content.startswith(b"%PDF")
+    for number, pixels in enumerate(board_pictures()):
+        http.post(f"/calibration/pictures?of=board&name={number}.png", content=encode_png(pixels), headers=FILE)
+    assert http.post("/calibration/lens").status_code == 202
+    report = wait_for_end(http)
+    lens = report["lens"]
+    assert isinstance(lens, dict)
+    assert (report["work"], report["result"], lens["accepted"]) == ("lens", None, True)
+    assert len(lens["regions"]) == 9
+    assert len(lens["pictures"][0]["corners"]) > 10
+
+    change = http.post("/calibration/lens/accept").json()
+    assert change.get("needs_restart") in (None, [])
+    assert http.get("/calibration").json()["held_focal_px"] == lens["focal_px"]
+    assert http.delete("/calibration/lens").status_code == 200
+    assert http.get("/calibration").json()["held_focal_px"] is None
+    assert http.post("/calibration/accept").status_code == 409
