@@ -49,6 +49,7 @@ def operations(address: str) -> list[tuple[str, str]]:
         "{name}": "serve",
         "{address}": "10.0.0.1",
         "{index}": "0",
+        "{form}": "pdf",
     }
 
     def filled(path: str) -> str:
