@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 Floats: TypeAlias = NDArray[np.float64]
 Bytes: TypeAlias = NDArray[np.uint8]
 Mask: TypeAlias = NDArray[np.bool_]
+PixelPlaces: TypeAlias = NDArray[np.int32]
+"""x, y, shape (n, 2)."""
 Array = TypeVar("Array", bound=NDArray[Any])
 
 

@@ -7,9 +7,10 @@ import pytest
 
 from tests.objects.drawing import PAINTS, SETTINGS, Picture, overhead_camera
 from vision_core.models.camera_kernels import camera_map_from
-from vision_core.palette.marker_search import find_candidates, scene_of
+from vision_core.objects.robots.marker_shape import scene_of
+from vision_core.objects.robots.shape_search import find_candidates
+from vision_core.objects.robots.template import disc_template, template_of
 from vision_core.palette.naming import Group, name_paints
-from vision_core.palette.template import disc_template, template_of
 from vision_core.palette.trial import Kind
 from vision_core.patterns.geometry import depth_mm
 from vision_core.patterns.loader import load_pattern

@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vision_core.clock import NS_PER_S, Instant
-from vision_core.geometry import Bytes, frozen
+from vision_core.geometry import Bytes, PixelPlaces, frozen
 from vision_core.models.camera import CameraModel
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
@@ -22,9 +21,6 @@ from vision_core.native.kernels import kernel, read_only
 from vision_core.settings.schema import FieldSettings, LightSettings, Settings
 from vision_core.types.colors import Levels, Light
 from vision_core.types.reasons import Reason
-
-PixelPlaces = NDArray[np.int32]
-"""x, y, shape (n, 2)."""
 
 SAMPLES_PER_SIDE = 64
 """Points of the sampling grid along each axis of the field."""

@@ -7,15 +7,16 @@ read; and, beside, from no palette at all. No color of the venue's file is used.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vision_core.evaluation.lights import LightScore, add_picture
 from vision_core.evaluation.truth_files import PictureTruth
+from vision_core.geometry import Bytes
 from vision_core.native.opencv import read_picture
 from vision_core.palette.find import find_palette, refined
 from vision_core.palette.light import light_from
 from vision_core.palette.reading import Palette, judged_again
-from vision_core.palette.trial import Judged, Trial
+from vision_core.palette.trial import Judged, Picture, Trial
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import Light
 from vision_core.types.tables import TEAMS
@@ -41,27 +42,49 @@ def score_across(truth: Sequence[PictureTruth], settings: Settings, tolerance_px
     """The score of every pair of pictures, as it is done. Raises SourceError for a picture that cannot be read."""
     size = settings.camera.width_px, settings.camera.height_px
     pixels = [read_picture(picture.file, size) for picture in truth]
-    alone: list[tuple[Palette, Trial, Light]] = []
+    alone = []
     for shown in pixels:
         trial = Trial(settings, light_from(shown, settings))
         own = trial.prepared(shown)
-        alone.append((find_palette(trial, [own]), trial, trial.light))
-    for one, (palette, trial, set_up_light) in enumerate(alone):
+        light = trial.light
+        alone.append(_Way(trial, own, light, find_palette(trial, [own])))
+    for one, set_up in enumerate(alone):
         for other, picture in enumerate(truth):
-            if other == one:
-                continue
-            lit = trial.prepared(pixels[other])
-            as_it_is = trial.prepared(pixels[other], set_up_light)
-            plain = judged_again(trial, [as_it_is], palette)
-            light = judged_again(trial, [lit], palette)
-            learned = refined(trial, [lit], light)
-            best = max((light, learned, alone[other][0]), key=lambda found: found.score)
-            readings = dict(zip(MODES, (plain, light, best, alone[other][0]), strict=True))
-            scores = {}
-            for mode, reading in readings.items():
-                scores[mode] = LightScore(mode)
-                add_picture(scores[mode], picture, _found(reading.judged[0]), tolerance_px)
-            yield Pair(truth[one].file.name, picture.file.name, scores)
+            if other != one:
+                ways = _ways(set_up, pixels[other], alone[other])
+                yield Pair(
+                    truth[one].file.name,
+                    picture.file.name,
+                    {mode: _score(mode, way, picture, tolerance_px) for mode, way in zip(MODES, ways, strict=True)},
+                )
+
+
+class _Way(NamedTuple):
+    """A picture in some light, and the palette that it is read with."""
+
+    trial: Trial
+    picture: Picture
+    light: Light
+    palette: Palette
+
+
+def _ways(set_up: _Way, pixels: Bytes, alone: _Way) -> tuple[_Way, ...]:
+    """A picture in every mode. set_up: of another picture; alone: found in this one."""
+    trial = set_up.trial
+    as_it_is, lit = trial.prepared(pixels, set_up.light), trial.prepared(pixels)
+    light = judged_again(trial, [lit], set_up.palette)
+    learned = refined(trial, [lit], light)
+    followed = _Way(trial, lit, trial.light, max(light, learned, key=lambda found: found.score))
+    if alone.palette.score > followed.palette.score:
+        followed = alone
+    return set_up._replace(picture=as_it_is), _Way(trial, lit, trial.light, light), followed, alone
+
+
+def _score(mode: str, way: _Way, truth: PictureTruth, tolerance_px: float) -> LightScore:
+    score = LightScore(mode)
+    way.trial.use(way.palette.table)
+    add_picture(score, truth, _found(way.trial.read(way.picture)), tolerance_px)
+    return score
 
 
 def _found(judged: Judged) -> dict[str, Any]:

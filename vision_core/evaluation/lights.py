@@ -79,7 +79,7 @@ def score_in_lights(
 
 def _found_in(pixels: Bytes, perception: Perception) -> dict[str, Any]:
     frame = ImageFrame(perception.camera.name, 1, Instant(0), pixels)
-    seen = perception.perceive(frame, ManualClock()).record()
+    seen = perception.perceive_still(frame, ManualClock()).record()
     found: dict[str, Any] = msgspec.to_builtins(
         {"robots": list(seen.robots), "balls": list(seen.balls), "reasons": []}
     )  # fmt: skip

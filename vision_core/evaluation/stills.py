@@ -47,7 +47,7 @@ def calibration_reasons_in(file: Path, settings: Settings) -> tuple[Reason, ...]
     perception = Perception(settings, CameraSetup.from_settings(settings))
     camera = perception.camera
     frame = ImageFrame(camera.name, 1, Instant(0), read_picture(file, camera.size_px))
-    seen = perception.perceive(frame, MonotonicClock()).record()
+    seen = perception.perceive_still(frame, MonotonicClock()).record()
     return tuple(reason for reason in reasons_of(perception, seen) if reason.is_calibration)
 
 
@@ -56,7 +56,7 @@ def detect_still(file: Path, perception: Perception, draw: Path | None = None) -
     settings = perception.settings
     camera = perception.camera
     pixels = read_picture(file, camera.size_px)
-    seen = perception.perceive(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock()).record()
+    seen = perception.perceive_still(ImageFrame(camera.name, 1, Instant(0), pixels), MonotonicClock()).record()
     obstacles = finder_from(settings, camera).find(pixels, seen.robots, seen.balls)
     if draw is not None:
         overlay = draw_sightings(pixels, seen, camera.model, settings, obstacles)

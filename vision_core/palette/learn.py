@@ -10,7 +10,7 @@ from vision_core.color.samples import Measured, distances
 from vision_core.geometry import Bytes, Floats, Mask, rotation
 from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.models.from_settings import robots_of
-from vision_core.palette.marker_search import measure_colors
+from vision_core.objects.robots.shape_search import measure_colors
 from vision_core.palette.naming import PAINT_SD, SCALE_SD, SHIFT_SD, USUAL_SCALE
 from vision_core.palette.trial import BALL, BALL_RADII, ROBOT_RADII, Judged, Kind, Picture, Trial
 from vision_core.settings.schema import SamplingSettings

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.geometry import Floats
-from vision_core.palette.marker_search import Candidate
+from vision_core.objects.robots.shape_search import Candidate
 from vision_core.palette.trial import Kind
 from vision_core.types.colors import chromaticity
 

@@ -1,7 +1,7 @@
 """The hot path as the judge of a palette: how well do these colors explain these pictures?
 
 A picture counts what is read in it: for every robot its confidence, times how clearly the picture shows its marker at
-its place (``marker_search.score_of``, which knows no colors), so that a reading of carpet and shadows is worth
+its place (``marker_shape.score_of``, which knows no colors), so that a reading of carpet and shadows is worth
 nothing. Colored areas on the field that belong to no robot and no ball count against the palette.
 """
 
@@ -13,19 +13,21 @@ import msgspec
 import numpy as np
 
 from vision_core.clock import Instant, ManualClock
-from vision_core.color.light import PixelPlaces, Relighter, field_samples
+from vision_core.color.light import Relighter, field_samples
 from vision_core.color.samples import hex_from_bgr
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, PixelPlaces
 from vision_core.models.camera_kernels import CameraMap, camera_map_from
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
-from vision_core.palette.marker_search import Candidate, Scene, find_candidates, scene_of, score_of
-from vision_core.palette.template import NEUTRAL, Template, disc_template, template_of
+from vision_core.objects.robots.marker_shape import Scene, scene_of, score_of
+from vision_core.objects.robots.shape_search import Candidate, find_candidates
+from vision_core.objects.robots.template import NEUTRAL, Template, disc_template, template_of
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.patterns.pattern import TEAM, Pattern
 from vision_core.patterns.worn import colors_of_team, worn_patterns
 from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.suggestions import NOTHING, Suggestions
 from vision_core.settings.schema import LightSettings, Settings
 from vision_core.types.colors import ColorTable, Light
 from vision_core.types.image import ImageFrame
@@ -154,8 +156,17 @@ class Trial:
         """See the next pictures with the colors of a table that has all paints in their order."""
         self._perception.recolor(table)
 
+    def read(self, picture: Picture) -> Judged:
+        """What the palette reads in a picture, with the robots that only their shape shows; takes its time."""
+        robots = self.judge(picture).robots
+        poses = self._perception.shape_search.beside(lambda look: self.shapes(picture, self.kinds[look]), robots)
+        self._perception.suggest(Suggestions(picture.scene.plain, poses))
+        judged = self.judge(picture)
+        self._perception.suggest(NOTHING)
+        return judged
+
     def judge(self, picture: Picture) -> Judged:
-        """What the palette reads in a picture."""
+        """What the palette reads in a picture by its blobs."""
         frame = ImageFrame(self.camera.name, 1, Instant(0), picture.pixels)
         seen = self._perception.perceive_lit(frame, ManualClock()).whole[0]
         robots, balls = seen["robots"][: seen["counts"][0]].copy(), seen["balls"][: seen["counts"][1]].copy()

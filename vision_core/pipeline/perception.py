@@ -27,10 +27,12 @@ from vision_core.models.mirror import MM_PER_M
 from vision_core.native.kernels import Boxed, box, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.observation import Observation
+from vision_core.objects.robots.confirmation import Shapes, confirm_robots, shapes_from
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
 from vision_core.patterns.geometry import width_mm
 from vision_core.patterns.pattern import CODE, TEAM, Pattern
 from vision_core.patterns.worn import worn_patterns
+from vision_core.pipeline.suggestions import NOTHING, ShapeSearch, Suggestions
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable, References
 from vision_core.types.image import ImageFrame
@@ -64,6 +66,7 @@ class PerceptionContext(NamedTuple):
     camera: CameraMap
     segment: SegmentBuffers
     robots: RobotFinder
+    shapes: Shapes
     balls: BallFinder
     heights_m: Floats
     """Of the markers of blue, of yellow, and of the ball, shape (3,)."""
@@ -99,6 +102,17 @@ def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, se
     else:
         expected.missed_frames += 1
     return count
+
+
+@kernel
+def confirm_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, seen: Table) -> None:
+    """Add the robots to a frame's sightings that their shape shows; the same arguments as ``perceive_picture``."""
+    context: PerceptionContext = boxed.value
+    frame = seen[0]
+    observation = Observation(blobs, 0, pixels, context.classes, context.camera)
+    frame.counts[0] = confirm_robots(
+        observation, context.robots, context.shapes, gap_s, frame.robots, frame.counts[0]
+    )  # fmt: skip
 
 
 @kernel
@@ -207,10 +221,52 @@ class Perception:
         """The same for a frame that is in the light of the settings."""
         return self._seen_in(frame, frame.pixels, clock)
 
+    def suggest(self, suggestions: Suggestions) -> None:
+        """Look for robots at these poses too, in the next frames until others are suggested."""
+        shapes = self.context.shapes
+        count = len(suggestions.poses)
+        shapes.plain[:] = suggestions.plain
+        shapes.suggested[:count] = suggestions.poses
+        shapes.counts[0] = count
+
+    def perceive_still(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
+        """What the running service sees of a standing picture: its slow search for shapes has had its time.
+
+        The next call overwrites the table.
+        """
+        self.perceive(frame, clock)
+        self.suggest(self.shape_search.suggest(self.pixels, self.robots))
+        seen = self._seen_in(frame, self.pixels, clock)
+        self.suggest(NOTHING)
+        return seen
+
+    def unseen_robots(self, frame: ImageFrame, clock: Clock) -> Suggestions:
+        """The robots of a frame that its blobs do not show. It takes a fraction of a second."""
+        self.perceive(frame, clock)
+        before = self.robots.copy()
+        suggested = self.shape_search.suggest(self.pixels, before)
+        self.suggest(suggested)
+        self._seen_in(frame, self.pixels, clock)
+        self.suggest(NOTHING)
+        return Suggestions(suggested.plain, self.shape_search.new_poses(before, self.robots))
+
+    @property
+    def robots(self) -> Table:
+        """The robots of the last frame, ROBOT; the next one overwrites them."""
+        seen = self._seen.whole[0]
+        robots: Table = seen["robots"][: seen["counts"][0]]
+        return robots
+
+    @cached_property
+    def shape_search(self) -> ShapeSearch:
+        """The slow search for robots that blobs do not show."""
+        return ShapeSearch(self.settings, self.camera, self.context.robots.markers, self.context.shapes)
+
     def _seen_in(self, frame: ImageFrame, lit: Bytes, clock: Clock) -> SightingsTable:
         pixels = read_only(lit)
         gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else -1.0
         self.blob_count = perceive_picture(pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
+        confirm_picture(pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
         self.raw, self.pixels, self._last = frame.pixels, pixels, frame.grabbed
         self._seen.stamp(frame.camera, frame.number, frame.grabbed, clock.now())
         return self._seen
@@ -233,6 +289,7 @@ class Perception:
             camera=camera_map_from(self.camera.model),
             segment=segment_buffers(*self.camera.size_px, settings.blobs, rows_apart, bits_of(self.camera.masked)),
             robots=robots,
+            shapes=shapes_from(settings, robots.markers),
             balls=ball_finder(settings, table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),
             radii_m=np.array([*(2.0**0.5 * shape.radius_m for shape in shapes), radius]),

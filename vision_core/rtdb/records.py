@@ -20,6 +20,7 @@
 | exposure/<camera> | exposure | how light the field is |
 | colors/<camera> | colors | how far the light has drifted from the venue's |
 | palette/<camera> | follow | the colors in force while they follow the light |
+| suggestions/<camera> | search | robots that the blobs do not show |
 | frame_requests/<camera> | capture | which image a simulated camera or a file is to deliver next |
 | frames_done/<camera> | source | that this image is in its slot |
 | lags | serve | histograms of the lags of server, network and clients |
@@ -55,6 +56,7 @@ from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.overlay import Looking, Overlay
 from vision_core.types.palette import LivePalette
 from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
+from vision_core.types.suggestions import LiveSuggestions
 from vision_core.types.tables import SightingsTable, ViewsTable, WorldTable
 from vision_core.types.tracks import World
 from vision_core.types.views import Views
@@ -93,6 +95,7 @@ lines = per_camera("lines", Finding[LineCheck], 4096, WATCHED_S)
 exposure = per_camera("exposure", Finding[ExposureCheck], 4096, WATCHED_S)
 colors = per_camera("colors", Finding[ColorDrift], 4096, WATCHED_S)
 palette = per_camera("palette", LivePalette, MAX_PALETTE, 0.0)
+suggestions = per_camera("suggestions", LiveSuggestions, 8192, 3.0)
 overlay = per_camera("overlay", Overlay, MAX_OVERLAY, 3.0)
 frame_requests = per_camera("frame_requests", FrameRequest, 256, 0.0)
 frames_done = per_camera("frames_done", FrameDone, 256, 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.live_colors import LiveColors
+from vision_core.pipeline.live_suggestions import SuggestedRobots
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.rtdb.slots import SlotView
@@ -25,6 +26,7 @@ def start(handle: Handle) -> Step:
     frames = handle.raw_reader(f"frames/{camera.name}")
     sightings = handle.raw_writer(records.sightings(camera.name).name)
     colors = LiveColors(perception, handle.reader(records.palette(camera.name)))
+    suggested = SuggestedRobots(perception, handle.reader(records.suggestions(camera.name)))
     perceived = frames.sequence
 
     def step(release: Release) -> StepResult:
@@ -34,6 +36,7 @@ def start(handle: Handle) -> Step:
             return IDLE
         perceived = view.sequence
         colors.refresh(handle.clock.now())
+        suggested.refresh(handle.clock.now())
         newer = view.sequence - release.sequence  # images that came between the release and this call
         seen = perception.perceive(_image_from(view, camera), handle.clock)
         if not frames.is_unchanged(view):  # the ring went round meanwhile: the result mixes two images

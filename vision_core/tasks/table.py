@@ -3,6 +3,7 @@
     light -> capture -> frames -> perceive -> sightings -> serve -> datagrams
        source (renders)   |   ^                             | |
                           |   +-- palette <- follow         | |
+                          |   +-- suggestions <- search     | |
                           +-> obstacles --------------------+ |
                           +-> boundary, lines, exposure, colors, diagnose      web <- everything that was written
                           +-> overlay <- looking <- web
@@ -74,8 +75,17 @@ def _built_in(settings: Settings) -> Iterator[Task]:
 
     yield from _camera_tasks(settings, camera)
     palette = records.palette(camera).name
-    yield line("perceive", frames, [frames, palette], [sightings], on_frame_path=True, purpose="finds robots and ball")
+    suggestions = records.suggestions(camera).name
+    yield line(
+        "perceive",
+        frames,
+        [frames, palette, suggestions],
+        [sightings],
+        on_frame_path=True,
+        purpose="finds robots and ball",
+    )
     yield line("follow", PERIOD, [frames], [palette], purpose="keeps the colors right in other light")
+    yield line("search", PERIOD, [frames, palette], [suggestions], purpose="finds robots whose colors cannot be seen")
     yield line(
         "serve",
         sightings,

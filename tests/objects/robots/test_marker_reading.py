@@ -13,7 +13,7 @@ from vision_core.geometry import Bytes
 from vision_core.models.camera_kernels import camera_map_from
 from vision_core.native.kernels import read_only
 from vision_core.objects.observation import Observation
-from vision_core.objects.robots.buffers import HYPOTHESIS
+from vision_core.objects.robots.buffers import HYPOTHESIS, PATCH_COLUMNS
 from vision_core.objects.robots.finder import find_robots
 from vision_core.objects.robots.marker_reading import read_marker
 from vision_core.objects.robots.markers import Marker
@@ -96,7 +96,7 @@ def patches_of(code: str, overexposed: int) -> np.ndarray:
     """Measured patches of a larc marker (three patches), one of them with blue and green saturated."""
     marker = finder_of("vsss-three-patch").markers[0]
     row = [*load_pattern("vsss-three-patch").code_by_id.values()].index(code)
-    patches = np.zeros((9, 4))
+    patches = np.zeros((9, PATCH_COLUMNS))
     for patch, color in enumerate(marker.worn[row]):
         patches[patch, :2] = marker.references.means[color]
     patches[overexposed, :3] = 0.0, -2.4, 3.0

@@ -22,6 +22,9 @@ GRID_CELLS = 64
 MAX_NEIGHBORS = 24
 """Blobs round one anchor that are considered; a real robot has as many as its pattern."""
 
+PATCH_COLUMNS = 10
+"""What is measured of a robot's patch, see ``paint_residual``."""
+
 NO_BLOB = -1
 
 NO_SHAPE, SHAPE_MEASURED, HEADING_BY_SHAPE = range(3)
@@ -104,7 +107,7 @@ class FinderBuffers(NamedTuple):
     circle: Floats
     """Of ``circle_buffer``."""
     patches: Floats
-    """Measured patches of each robot, see ``marker_reading``; shape (64, 9, 4)."""
+    """Measured patches of each robot, see ``marker_reading``; shape (64, 9, PATCH_COLUMNS)."""
     learned: Floats
     """What the robots of this frame show of each color class, see ``marker_reading``; shape (256, 6)."""
     found: Table
@@ -130,7 +133,7 @@ def finder_buffers(max_blobs: int, markers: int) -> FinderBuffers:
         unsure=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         centers=np.zeros((1 + MAX_SLOTS, 3)),
         circle=circle_buffer(),
-        patches=np.zeros((MAX_ROBOTS, 1 + MAX_SLOTS, 4)),
+        patches=np.zeros((MAX_ROBOTS, 1 + MAX_SLOTS, PATCH_COLUMNS)),
         learned=np.zeros((256, 6)),
         found=np.zeros(MAX_ROBOTS, dtype=ROBOT),
     )

@@ -98,7 +98,7 @@ def find_robots(seen: Observation, finder: RobotFinder, robots: Table) -> int:
         if buffers.alike[number]:
             buffers.found[number].id = NO_ID
     _read_markers(seen, markers, buffers, selected)
-    _order(buffers.found, selected, robots)
+    order_robots(buffers.found, selected, robots)
     return selected
 
 
@@ -161,7 +161,7 @@ def _is_taken(found: Table, count: int, one: int, number: int) -> bool:
 
 
 @kernel
-def _order(found: Table, count: int, robots: Table) -> None:
+def order_robots(found: Table, count: int, robots: Table) -> None:
     """Copy robots in order. Two robots of a team with the same id cannot be told apart: both lose it."""
     for one in range(count):
         place = 0

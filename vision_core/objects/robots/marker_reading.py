@@ -8,9 +8,8 @@
    energy that the second best id needs beyond it is the margin; a small one gives no id. Neither does a patch that no
    paint explains (a hand lies on it) or that is uneven (a cable does).
 
-A saturated channel may be any amount brighter. So a patch with saturated channels stands for a ray or a cone of
-chromaticities, and each paint is compared with the nearest of them: green and cyan, both with green and blue at 255,
-are alike, and blobs that tell them apart are not trusted (``is_doubtful``).
+Blobs that only saturated channels tell apart are not trusted (``is_doubtful``): green and cyan, both with green and
+blue at 255.
 """
 
 import math
@@ -23,6 +22,26 @@ from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.native.kernels import kernel
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.paint_residual import (
+    COST,
+    COUNT,
+    NO_VEIL,
+    OFF_X,
+    OFF_Y,
+    SATURATED,
+    STIFF_XX,
+    STIFF_XY,
+    STIFF_YY,
+    SUM_X,
+    SUM_XX,
+    SUM_XY,
+    SUM_Y,
+    SUM_YY,
+    UNEVEN,
+    X,
+    Y,
+    measure_residual,
+)
 from vision_core.objects.robots.shape_reading import is_shape_sure
 from vision_core.types.colors import DARK_LEVEL
 from vision_core.types.tables import NO_ID
@@ -30,18 +49,9 @@ from vision_core.types.tables import NO_ID
 Row: TypeAlias = Any
 """One row of a table."""
 
-X, Y, SATURATED, UNEVEN = range(4)
-"""Columns of a robot's measured patches: chromaticity, bits of the saturated channels (1 blue, 2 green, 4 red), and the
-largest standard deviation of a channel within the patch [grey levels]."""
-COUNT, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY = range(6)
-"""Columns of what was learned of a class."""
 
 SATURATED_LEVEL = 253.5
 MAX_UNEVEN = 50.0
-MIN_SPREAD = 0.1
-"""Least standard deviation of a paint's chromaticity: print, glare and noise."""
-PRIOR_COUNT = 0.3
-"""Patches that the color table's reference counts for."""
 LIGHT_SD = 0.08
 """How much the light's chromaticity may differ on one robot from that of the others."""
 MIN_MARGIN = 5.0
@@ -50,15 +60,11 @@ ALIKE_MARGIN = 1.0
 """With a smaller margin two ids look the same."""
 MAX_MISFIT = 12.0
 """Energy of one patch beyond which no paint explains it."""
-MAX_BEYOND = 1.2
-"""How far beyond saturation a channel may be: three times as bright."""
-_DIRECTIONS = ((1.0, 0.0), (-1.0, -1.0), (0.0, 1.0))
-"""Where the chromaticity goes when blue, green or red grows."""
 
 
 @kernel
 def measure_patches(seen: Observation, marker: Marker, robot: Row, patches: Floats) -> None:
-    """Measure every patch of a robot at its place; patches: shape (>= 1 + s, 4), see ``X``.
+    """Measure every patch of a robot at its place; patches: shape (>= 1 + s, PATCH_COLUMNS), see ``X``.
 
     Within one robot the camera is taken to be linear.
     """
@@ -164,7 +170,7 @@ def read_marker(
     for row in range(len(marker.ids)):
         if not _has_its_shapes(marker, row, hypothesis):
             continue
-        energy, worst = _energy_of(marker, row, patches, learned)
+        energy, worst = energy_of(marker, row, patches, learned, NO_VEIL)
         if energy < best:
             second, best, best_row, misfit = best, energy, row, worst
         elif energy < second:
@@ -201,72 +207,27 @@ def _is_covered_or_clipped(marker: Marker, patches: Floats) -> bool:
 
 
 @kernel
-def _energy_of(marker: Marker, row: int, patches: Floats, learned: Floats) -> tuple[float, float]:
+def energy_of(
+    marker: Marker, row: int, patches: Floats, learned: Floats, veils: int
+) -> tuple[float, float]:  # fmt: skip
     """Energy of the patches if the robot wears the id of a row, and that of the worst patch."""
     # normal equations of the light's shift: (sum W + 1 / sd^2) shift = sum W residual
     xx, xy, yy, bx, by, energy = 1.0 / LIGHT_SD**2, 0.0, 1.0 / LIGHT_SD**2, 0.0, 0.0, 0.0
-    for patch in range(marker.worn.shape[1]):
-        x, y, wxx, wxy, wyy, volume = _residual(marker, marker.worn[row, patch], patches[patch], learned)
+    for number in range(marker.worn.shape[1]):
+        patch = patches[number]
+        measure_residual(marker, marker.worn[row, number], patch, learned, veils)
+        x, y, wxx, wxy, wyy = patch[OFF_X], patch[OFF_Y], patch[STIFF_XX], patch[STIFF_XY], patch[STIFF_YY]
         xx, xy, yy = xx + wxx, xy + wxy, yy + wyy
         bx, by = bx + wxx * x + wxy * y, by + wxy * x + wyy * y
-        energy += wxx * x * x + 2.0 * wxy * x * y + wyy * y * y
-        if patches[patch, SATURATED] == 0.0:  # a cone of chromaticities has as much room in every paint
-            energy += math.log(volume)
-    determinant = xx * yy - xy * xy
-    shift_x, shift_y = (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
+        energy += patch[COST] + wxx * x * x + 2.0 * wxy * x * y + wyy * y * y
+    shift_x = shift_y = 0.0
+    if veils == NO_VEIL:  # white and the light's shift would explain the same
+        determinant = xx * yy - xy * xy
+        shift_x, shift_y = (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
     worst = 0.0
-    for patch in range(marker.worn.shape[1]):
-        x, y, wxx, wxy, wyy, _ = _residual(marker, marker.worn[row, patch], patches[patch], learned)
-        x, y = x - shift_x, y - shift_y
-        worst = max(worst, wxx * x * x + 2.0 * wxy * x * y + wyy * y * y)
+    for number in range(marker.worn.shape[1]):
+        patch = patches[number]
+        x, y = patch[OFF_X] - shift_x, patch[OFF_Y] - shift_y
+        own = patch[STIFF_XX] * x * x + 2.0 * patch[STIFF_XY] * x * y + patch[STIFF_YY] * y * y
+        worst = max(worst, own)
     return energy - bx * shift_x - by * shift_y, worst
-
-
-@kernel
-def _residual(
-    marker: Marker, color: int, patch: Floats, learned: Floats
-) -> tuple[float, float, float, float, float, float]:
-    """How far a patch is from a paint, x and y; the inverse covariance, xx xy yy; and the covariance's determinant."""
-    sums, means, spreads = learned[color], marker.references.means, marker.references.spreads
-    n, total = sums[COUNT], PRIOR_COUNT + sums[COUNT]
-    mean_x = (PRIOR_COUNT * means[color, 0] + sums[SUM_X]) / total
-    mean_y = (PRIOR_COUNT * means[color, 1] + sums[SUM_Y]) / total
-    # covariance about the common mean
-    cxx = sums[SUM_XX] - 2.0 * mean_x * sums[SUM_X] + n * mean_x * mean_x
-    cxy = sums[SUM_XY] - mean_x * sums[SUM_Y] - mean_y * sums[SUM_X] + n * mean_x * mean_y
-    cyy = sums[SUM_YY] - 2.0 * mean_y * sums[SUM_Y] + n * mean_y * mean_y
-    cxx = (PRIOR_COUNT * spreads[color, 0] + cxx + n * MIN_SPREAD**2) / total
-    cxy = (PRIOR_COUNT * spreads[color, 1] + cxy) / total
-    cyy = (PRIOR_COUNT * spreads[color, 2] + cyy + n * MIN_SPREAD**2) / total
-    volume = cxx * cyy - cxy * cxy
-    saturated = int(patch[SATURATED])
-    x, y = _beyond_saturation(patch[X] - mean_x, patch[Y] - mean_y, saturated)
-    if _is_between(mean_x, mean_y, saturated):
-        x = y = 0.0
-    return x, y, cyy / volume, -cxy / volume, cxx / volume, volume
-
-
-@kernel
-def _beyond_saturation(x: float, y: float, saturated: int) -> tuple[float, float]:
-    """The shortest residual when the saturated channels may be brighter, each in turn."""
-    for _ in range(2):
-        for channel in range(3):
-            if saturated >> channel & 1:
-                ahead_x, ahead_y = _DIRECTIONS[channel]
-                along = -(x * ahead_x + y * ahead_y) / (ahead_x * ahead_x + ahead_y * ahead_y)
-                along = min(max(along, 0.0), MAX_BEYOND)
-                x, y = x + along * ahead_x, y + along * ahead_y
-    return x, y
-
-
-@kernel
-def _is_between(x: float, y: float, saturated: int) -> bool:
-    """Are just two channels saturated, and does a paint's hue lie between theirs? Then it is not excluded."""
-    if saturated & (saturated - 1) == 0 or saturated == 7:
-        return False
-    # coordinates along the two channels' directions, written out: blue (1, 0), green (-1, -1), red (0, 1)
-    if saturated == 3:
-        return y <= 0.0 and x >= y
-    if saturated == 6:
-        return x <= 0.0 and y >= x
-    return x >= 0.0 and y >= 0.0

@@ -1,10 +1,7 @@
-"""Markers found by their shape alone: no color has a name here. Slow; for set-up and for recovery.
+"""Markers found in a whole picture by their shape alone (``marker_shape``). Slow; for set-up and for recovery.
 
-A pose explains the picture when every region of the pattern has one color and the regions differ. With the levels'
-square roots as coordinates, in which a sensor's noise is about the same for dark and bright, that is the share of the
-variance that lies between the regions (Fisher's criterion, 1936), times how clearly the patch that stands out least
-does so. All places of a grid over the field are tried where the picture is not plain, at all headings; the best ones
-are then moved until they fit best.
+All places of a grid over the field are tried where the picture is not plain, at all headings; the best ones are then
+moved until they fit best.
 """
 
 import math
@@ -12,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vision_core.color.light import PixelPlaces
 from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.camera_kernels import CameraMap, pixel_from_field
 from vision_core.native.kernels import kernel
-from vision_core.palette.template import POINTS, Template
+from vision_core.objects.robots.marker_shape import Scene, fit_shape, score_of
+from vision_core.objects.robots.template import POINTS, Template
 
 HEADINGS = 36
 STEP = 0.25
@@ -30,8 +27,6 @@ LEAST_VARIANCE = 0.02
 FIRST_SCORE, LAST_SCORE = 0.25, 0.4
 """What a pose must score on the grid, and in the end."""
 MAX_FOUND = 120
-REFINE_STEPS = 4
-"""Halvings of the step."""
 APART = 0.6
 """Two markers' middles are at least so far apart, as a share of the marker's size."""
 OTHER_TURN_RAD = math.radians(35.0)
@@ -39,30 +34,8 @@ OTHER_TURN_RAD = math.radians(35.0)
 OTHER_SHARE = 0.8
 """Another heading is kept when it scores this share of the best one."""
 SIZES = (0.9, 1.0)
-MAX_STRETCH = 0.12
-"""How much larger or smaller than drawn a marker may be."""
 MAX_POSES = 4
 """Of one marker."""
-LIGHT_WEIGHT = 0.08
-NOISE = 0.05
-"""Variance of noise, in square roots of grey levels."""
-
-
-class Scene(NamedTuple):
-    """A picture whose noise is about the same in dark and bright. Kernels take it as one argument."""
-
-    roots: Floats
-    """Square roots of the levels, shape (height, width, 3)."""
-    plain: Floats
-    """Blue minus green, red minus green and the sum of all three on most of the field, in roots; shape (3,)."""
-
-
-def scene_of(pixels: Bytes, floor: PixelPlaces) -> Scene:
-    """A picture to be searched. pixels: shape (height, width, 3); floor: pixels of the field, x and y, shape (n, 2)."""
-    roots = np.sqrt(pixels.astype(np.float32))
-    seen = roots[floor[:, 1], floor[:, 0]].astype(np.float64)
-    blue, green, red = seen.T
-    return Scene(roots, np.array([np.median(blue - green), np.median(red - green), np.median(seen.sum(axis=1))]))
 
 
 class Candidate(NamedTuple):
@@ -89,7 +62,7 @@ def find_candidates(
     x = np.arange(-half_extent_m[0], half_extent_m[0] + step / 2.0, step)
     y = np.arange(-half_extent_m[1], half_extent_m[1] + step / 2.0, step)
     variances = np.zeros((len(y), len(x)))
-    _measure_variance(scene.roots, camera, x, y, height_m, template.size_m, variances)
+    _measure_variance(scene, camera, x, y, height_m, template.size_m, variances)
     known = variances[np.isfinite(variances)]
     if not len(known):
         return []
@@ -107,7 +80,7 @@ def find_candidates(
         if any(math.dist(place, (x[column], y[row])) < APART * template.size_m for place in places):
             continue
         pose = np.array([0.0, x[column], y[row], headings[row, column], sizes[row, column]])
-        _refine(scene, camera, template, height_m, step, pose)
+        fit_shape(scene, camera, template, height_m, step, pose)
         if pose[0] < LAST_SCORE or any(math.dist(place, pose[1:3]) < APART * template.size_m for place in places):
             places.append((float(x[column]), float(y[row])))
             continue
@@ -130,7 +103,7 @@ def _with_other_headings(
         if len(poses) == MAX_POSES or pose[0] < 0.5 * OTHER_SHARE * best[0]:
             break
         if all(_turn_between(pose[3], other[3]) >= OTHER_TURN_RAD for other in poses):
-            _refine(scene, camera, template, height_m, step, pose)
+            fit_shape(scene, camera, template, height_m, step, pose)
             if pose[0] >= OTHER_SHARE * best[0] and all(
                 _turn_between(pose[3], other[3]) >= OTHER_TURN_RAD for other in poses
             ):
@@ -147,10 +120,11 @@ def _turn_between(one: float, other: float) -> float:
 
 @kernel
 def _measure_variance(
-    roots: Floats, camera: CameraMap, x_m: Floats, y_m: Floats, height_m: float, size_m: float, variances: Floats
+    scene: Scene, camera: CameraMap, x_m: Floats, y_m: Floats, height_m: float, size_m: float, variances: Floats
 ) -> None:
     """Variance of the picture in a cross of points as large as a marker, at every place; nan outside of the picture."""
-    height, width, _ = roots.shape
+    pixels, roots = scene.pixels, scene.roots
+    height, width, _ = pixels.shape
     for row in range(len(y_m)):
         for column in range(len(x_m)):
             u, v = pixel_from_field(camera, x_m[column], y_m[row], height_m)
@@ -165,7 +139,7 @@ def _measure_variance(
                 for k in range(16):
                     away = (0.25 + 0.25 * (k % 4)) * reach * (1.0 if k < 8 else -1.0)
                     along, across = (away, 0.0) if k // 4 % 2 == 0 else (0.0, away)
-                    value = np.float64(roots[int(v + across), int(u + along), channel])
+                    value = roots[pixels[int(v + across), int(u + along), channel]]
                     level += value
                     square += value * value
                 total += square / 16.0 - (level / 16.0) ** 2
@@ -188,109 +162,6 @@ def _try_places(
                     score = score_of(scene, camera, template, height_m, x_m[column], y_m[row], heading, size)
                     if score > scores[row, column]:
                         scores[row, column], headings[row, column], sizes[row, column] = score, heading, size
-
-
-@kernel
-def _refine(scene: Scene, camera: CameraMap, template: Template, height_m: float, step_m: float, pose: Floats) -> None:
-    """Move a pose (score, x, y, heading) to the best one near it."""
-    pose[0] = score_of(scene, camera, template, height_m, pose[1], pose[2], pose[3], pose[4])
-    step = step_m
-    for _ in range(REFINE_STEPS):
-        moved = True
-        while moved:
-            moved = False
-            for axis in range(1, 5):
-                size = step if axis < 3 else 2.0 * step / template.size_m
-                for sign in (-1.0, 1.0):
-                    before = pose[axis]
-                    pose[axis] = before + sign * size
-                    if not 1.0 - MAX_STRETCH <= pose[4] <= 1.0 + MAX_STRETCH:
-                        pose[axis] = before
-                        continue
-                    score = score_of(scene, camera, template, height_m, pose[1], pose[2], pose[3], pose[4])
-                    if score > pose[0] + 1e-6:
-                        pose[0], moved = score, True
-                    else:
-                        pose[axis] = before
-        step *= 0.5
-
-
-@kernel
-def score_of(
-    scene: Scene, camera: CameraMap, template: Template, height_m: float, x_m: float, y_m: float, heading_rad: float,
-    size: float,
-) -> float:  # fmt: skip
-    """How well a marker at a pose explains the picture, 0..1; 0 where it does not lie in the picture."""
-    roots = scene.roots
-    height, width, _ = roots.shape
-    arm = 0.5 * template.size_m
-    c, s = math.cos(heading_rad), math.sin(heading_rad)
-    u0, v0 = pixel_from_field(camera, x_m, y_m, height_m)
-    ahead_u, ahead_v = pixel_from_field(camera, x_m + c * arm, y_m + s * arm, height_m)
-    left_u, left_v = pixel_from_field(camera, x_m - s * arm, y_m + c * arm, height_m)
-    ahead_x, ahead_y, left_x, left_y = (
-        (ahead_u - u0) / arm,
-        (ahead_v - v0) / arm,
-        (left_u - u0) / arm,
-        (left_v - v0) / arm,
-    )
-    points = template.points_m
-    counted = template.patches + 1
-    # the region that the patches are compared with comes first
-    ref_one = ref_two = ref_sum = 0.0
-    all_b = all_g = all_r = squares = within = 0.0
-    least = 1.0
-    for turn in range(counted):
-        region = (template.patches + turn) % counted
-        b = g = r = bb = hues = 0.0
-        for k in range(POINTS):
-            along, across = size * points[region, k, 0], size * points[region, k, 1]
-            column, row = (
-                int(u0 + along * ahead_x + across * left_x + 0.5),
-                int(v0 + along * ahead_y + across * left_y + 0.5),
-            )
-            if not (0 <= column < width and 0 <= row < height):
-                return 0.0
-            blue, green = np.float64(roots[row, column, 0]), np.float64(roots[row, column, 1])
-            red = np.float64(roots[row, column, 2])
-            b += blue
-            g += green
-            r += red
-            light = blue + green + red
-            bb += _squared(blue - green, red - green, light)
-            hues += (blue - green) ** 2 + (red - green) ** 2
-        b, g, r = b / POINTS, g / POINTS, r / POINTS
-        own = max(bb / POINTS - _squared(b - g, r - g, b + g + r), 0.0)
-        if turn == 0:
-            ref_one, ref_two, ref_sum = scene.plain[0], scene.plain[1], scene.plain[2]
-            if template.has_between:
-                ref_one, ref_two, ref_sum = b - g, r - g, b + g + r
-        else:
-            one, two = b - g, r - g
-            contrast = (one - ref_one) ** 2 + (two - ref_two) ** 2
-            if not template.tinted[region]:
-                contrast += (b + g + r - ref_sum) ** 2 / 3.0
-            uneven = max(hues / POINTS - one * one - two * two, 0.0)
-            least = min(least, contrast / (contrast + 2.0 * uneven + 2.0 * NOISE))
-        if turn > 0 or template.has_between:
-            within += own
-            all_b += b
-            all_g += g
-            all_r += r
-            squares += own + _squared(b - g, r - g, b + g + r)
-    n = float(counted if template.has_between else template.patches)
-    if n > 1.0:
-        variance = squares / n - _squared(all_b - all_g, all_r - all_g, all_b + all_g + all_r) / (n * n)
-        share = 1.0 - within / n / max(variance + NOISE / 4.0, 1e-9)
-    else:
-        share = 1.0
-    return max(share, 0.0) * least
-
-
-@kernel
-def _squared(one: float, two: float, light: float) -> float:
-    """Squared length of a color: shadows change the light more than the hue, so it weighs less."""
-    return one * one + two * two + LIGHT_WEIGHT * light * light
 
 
 @kernel

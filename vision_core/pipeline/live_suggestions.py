@@ -1,0 +1,36 @@
+"""What the slow search for shapes suggests just now, as the service's record has it."""
+
+import numpy as np
+
+from vision_core.clock import Instant
+from vision_core.objects.robots.confirmation import SUGGESTED
+from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.suggestions import NOTHING, Suggestions
+from vision_core.rtdb.items import ItemReader
+from vision_core.types.suggestions import LiveSuggestions
+
+
+def live_from(suggestions: Suggestions) -> LiveSuggestions:
+    """As a record holds them."""
+    blue, red, light = suggestions.plain.tolist()
+    return LiveSuggestions((blue, red, light), tuple(suggestions.poses.tolist()))
+
+
+class SuggestedRobots:
+    """Makes a perception look for robots where the record says."""
+
+    def __init__(self, perception: Perception, suggestions: ItemReader[LiveSuggestions]) -> None:
+        self._perception, self._suggestions = perception, suggestions
+        self._used = 0
+
+    def refresh(self, now: Instant) -> None:
+        """Take over what is new, and forget what is too old."""
+        if self._suggestions.sequence == self._used:
+            return
+        self._used = self._suggestions.sequence
+        live = self._suggestions.read(now)
+        if live is None:
+            self._perception.suggest(NOTHING)
+        else:
+            poses = np.array(list(live.value.poses), dtype=SUGGESTED)
+            self._perception.suggest(Suggestions(np.array(live.value.plain), poses))
