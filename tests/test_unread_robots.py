@@ -218,6 +218,45 @@ def test_headings_that_a_pattern_cannot_tell_are_called_ambiguous(tmp_path: Path
     assert (read.robots, read.validate, read.detect) == ("b1", "", ())
 
 
+@pytest.mark.parametrize(("ahead", "is_read"), [(8.0, False), (9.0, True)])
+def test_a_heading_is_doubted_just_where_the_pattern_check_says_so(ahead: float, is_read: bool, tmp_path: Path) -> None:
+    """Four dots nearly in a square: turned by a quarter they lie 7 or 8 mm beside each other's places."""
+    a, b = 45.0 + ahead / 2.0, 45.0 - ahead / 2.0
+    pattern = own_pattern(tmp_path, "square", [(b, a), (-a, b), (-a, -b), (b, -a)], ("PPGG", "GGPP"))
+    shown = drawn(robots=())
+    shown.paint_pattern(pattern, "blue", "PPGG", (X, Y, 0.5))
+    found = told(
+        tmp_path, points_venue() + '[robots]\npattern = "square.toml"\n[match]\nnumbers = 2\n', shown.as_bytes()
+    )
+    assert found.robots == ("b1" if is_read else "b?")
+    assert ("fit in two headings" in found.validate) != is_read
+
+
+def test_patches_that_run_together_are_named_with_what_to_do(tmp_path: Path) -> None:
+    """Two code squares of one color, 3 mm apart where a pixel shows five."""
+    square = "polygon_mm = [[{0}, {1}], [{2}, {1}], [{2}, {3}], [{0}, {3}], [{0}, {1}]]"
+    boxes = [("team", (2, -70, 70, 70)), ("code", (-70, 2, -2, 70)), ("code", (-70, -70, -2, -1))]
+    patches = "".join(f'[[patches]]\ncolor = "{color}"\n{square.format(*box)}\n' for color, box in boxes)
+    file = tmp_path / "squares.toml"
+    file.write_text(
+        f'name = "squares"\n[robot]\noutline = "square"\nradius_m = 0.08\nheight_m = 0.14\n{patches}'
+        '[code]\ncolors = ["green", "pink"]\nids = { 1 = "GP", 2 = "GG" }\n'
+    )
+    shown = drawn(robots=())
+    for number, pose in ((1, (0.6, 0.4, 0.5)), (2, (X, Y, 0.5))):
+        pattern = load_pattern(str(file))
+        shown.paint_pattern(pattern, "blue", pattern.code_by_id[number], pose)
+    venue = points_venue() + '[robots]\npattern = "squares.toml"\n[match]\nnumbers = 2\n'
+    found = told(tmp_path, venue, shown.as_bytes())
+    assert found.robots == "b1 b?"
+    assert "patches 2 and 3 of squares id 2 have one color and are 3 mm apart" in found.validate
+    assert re.search(
+        r"patch seems? to have run together.*: a green blob at \(\d+, \d+\) px is as large as two, .* Give it an id "
+        r"whose neighboring patches differ in color",
+        found.detect[0],
+    )
+
+
 def test_markers_that_exist_only_mirrored_tell_a_mirrored_picture(tmp_path: Path) -> None:
     pattern = own_pattern(tmp_path, "one-handed", [(40.0, 50.0), (-60.0, 20.0), (-10.0, -60.0)], ("PPG", "GPG", "GGP"))
     venue = points_venue() + '[robots]\npattern = "one-handed.toml"\n[match]\nnumbers = 3\n'

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.geometry import Mask
+from vision_core.geometry import Floats, Mask
 from vision_core.models.camera_kernels import field_and_scale, pixel_from_field, pixels_per_square_metre
 from vision_core.models.from_settings import robots_of
 from vision_core.objects.field_limits import accepted_extents, is_accepted
@@ -90,13 +90,31 @@ def anchor_area_ratios(scene: Scene, finder: RobotFinder, marker: Marker, blobs:
 
 def what_is_missing(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> str:
     """Which of a hypothesis' patches are missing, and what is seen in their places."""
-    missing = [slot for slot in range(len(marker.slots_m)) if hypothesis["slot_blobs"][slot] < 0]
+    missing = missing_slots(marker, hypothesis)
     pattern = pattern_name(settings, marker)
     found = f"{1 + int(hypothesis['matched'])} of the {1 + len(marker.slots_m)} patches of pattern {pattern} are found"
     if not missing:
         return found
-    places = "; ".join(_what_is_at(scene, marker, hypothesis, slot, settings) for slot in missing[:MAX_MISSING])
-    return f"{found}; {places}"
+    merged = {slot: where for slot in missing if (where := merged_into(scene, marker, hypothesis, slot, settings))}
+    said = [_merged_in_words(marker, merged)] if merged else []
+    said += [
+        _what_is_at(scene, marker, hypothesis, slot, settings) for slot in missing[:MAX_MISSING] if slot not in merged
+    ]
+    return f"{found}; {'; '.join(said)}"
+
+
+def missing_slots(marker: Marker, hypothesis: Any) -> list[int]:
+    """The slots of a hypothesis without a blob."""
+    return [slot for slot in range(len(marker.slots_m)) if hypothesis["slot_blobs"][slot] < 0]
+
+
+def _merged_in_words(marker: Marker, merged: dict[int, str]) -> str:
+    """Which slots' patches have run together."""
+    names = [side_of(*marker.slots_m[slot]) for slot in merged]
+    which = f"the {names[0]} patch seems to have run together with another one"
+    if len(names) > 1:
+        which = f"the {' and the '.join(names)} patch seem to have run together"
+    return f"{which}: {next(iter(merged.values()))}, the picture is too coarse for the gap between"
 
 
 def _what_is_at(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settings: Settings) -> str:
@@ -104,11 +122,10 @@ def _what_is_at(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settin
     a, b = marker.slots_m[slot]
     x, y = place_of_slot(scene, marker, hypothesis, slot)
     patch, wanted = f"the {side_of(a, b)} patch", " or ".join(_colors_of(scene.table, marker, slot))
-    off = np.hypot(scene.blobs["x_px"] - x, scene.blobs["y_px"] - y)
+    off = _blobs_off(scene, marker, hypothesis, slot)
     scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
-    if not (off <= settings.robots.dot_tolerance_m * math.sqrt(scale2)).any():
-        merged = _merged_into(scene, marker, hypothesis, slot)
-        return f"{patch} {merged or f'is missing: there is nothing {wanted} at ({x:.0f}, {y:.0f}) px'}"
+    if not (off <= _tolerance_px(settings, scale2)).any():
+        return f"{patch} is missing: there is nothing {wanted} at ({x:.0f}, {y:.0f}) px"
     blob = int(np.argmin(off))
     color = int(scene.blobs["color"][blob])
     if marker.digits[slot, color] == NO_DIGIT:
@@ -120,20 +137,33 @@ def _what_is_at(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settin
     return f"{patch} has {ratio:.2g} times the expected area"
 
 
-def _merged_into(scene: Scene, marker: Marker, hypothesis: Any, slot: int) -> str:
-    """That a slot's patch has run together with another one, in words; empty when no blob is as large as two."""
+def merged_into(scene: Scene, marker: Marker, hypothesis: Any, slot: int, settings: Settings) -> str:
+    """The blob into which a missing slot's patch and another one have run, in words.
+
+    Empty when a blob lies in the slot's place, or none is as large as two patches.
+    """
     scale2 = pixels_per_square_metre(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
+    if _blobs_off(scene, marker, hypothesis, slot).min(initial=np.inf) <= _tolerance_px(settings, scale2):
+        return ""
     x, y = pixel_from_field(scene.seen.camera, hypothesis["x_m"], hypothesis["y_m"], marker.height_m)
     for blob in scene.blobs:
         is_own = math.hypot(blob["x_px"] - x, blob["y_px"] - y) <= marker.radius_m * math.sqrt(scale2)
         is_its_color = marker.digits[slot, blob["color"]] != NO_DIGIT and blob["color"] != marker.anchor_class
         if is_own and is_its_color and blob["area_px"] / scale2 >= MIN_MERGED * marker.areas_m2[slot, 1]:
             color = scene.table.names[int(blob["color"])]
-            where = f"a {color} blob at ({blob['x_px']:.0f}, {blob['y_px']:.0f}) px is as large as two"
-            return (
-                f"seems to have run together with another one: {where}, the picture is too coarse for the gap between"
-            )
+            return f"a {color} blob at ({blob['x_px']:.0f}, {blob['y_px']:.0f}) px is as large as two"
     return ""
+
+
+def _blobs_off(scene: Scene, marker: Marker, hypothesis: Any, slot: int) -> Floats:
+    """How far every blob is from where a hypothesis has a slot [px]."""
+    x, y = place_of_slot(scene, marker, hypothesis, slot)
+    off: Floats = np.hypot(scene.blobs["x_px"] - x, scene.blobs["y_px"] - y)
+    return off
+
+
+def _tolerance_px(settings: Settings, scale2: float) -> float:
+    return settings.robots.dot_tolerance_m * math.sqrt(scale2)
 
 
 def _colors_of(table: ColorTable, marker: Marker, slot: int) -> list[str]:

@@ -25,6 +25,8 @@ from vision_core.objects.robots.scene import (
     SeenRobots,
     code_of,
     hypotheses_of,
+    merged_into,
+    missing_slots,
     pattern_name,
     place_of_slot,
     seen_robots,
@@ -55,6 +57,7 @@ NO_TEAM = -1
 WRONG_SIZE = "Give it a patch of the right size, or correct robots.height_m, the camera's height and the pattern."
 MISPLACED = "Check the pattern's measures and the calibration, or widen robots.dot_tolerance_m."
 OFF_FIELD = "Check the calibration and the field's measures, or widen robots.margin_m."
+SEPARATE = "Give it an id whose neighboring patches differ in color, or wider gaps: see `pslv patterns check --venue`."
 REPAIR = "Repair or clean its marker, or widen the class of the patch that is missing."
 
 
@@ -86,7 +89,7 @@ def unread_because(
         return Reason(text, "Let the robots of a team wear patterns that differ more.")
     if hypothesis["matched"] < len(marker.slots_m):
         missing = f"no id: {what_is_missing(scene, marker, hypothesis, settings)}"
-        return Reason(missing, REPAIR)
+        return Reason(missing, _repair(scene, marker, hypothesis, settings))
     if id_of(scene.blobs, marker, hypothesis) == NO_ID:
         pattern = pattern_name(settings, marker)
         if unclear := _unclear_shape(scene, marker, hypothesis, settings):
@@ -94,6 +97,14 @@ def unread_because(
         code = f"the code {code_of(scene, marker, hypothesis, settings)}, which is no id of pattern {pattern}"
         return Reason(code, f"Give it a marker of this pattern: `pslv patterns print {pattern}`.")
     return None
+
+
+def _repair(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> str:
+    """What to do about a robot with missing patches."""
+    slots = missing_slots(marker, hypothesis)
+    if any(merged_into(scene, marker, hypothesis, slot, settings) for slot in slots):
+        return SEPARATE
+    return REPAIR
 
 
 def _unclear_shape(scene: Scene, marker: Marker, hypothesis: Any, settings: Settings) -> Reason | None:
@@ -207,7 +218,7 @@ def _stopped_by(
         return "it overlaps a better robot, or shares a patch with it", "Set the robots farther apart."
     missing = what_is_missing(scene, marker, best, settings)
     found = f"its confidence is {best['score']:.2f}, below robots.min_confidence = {gates.min_confidence:g}: {missing}"
-    return found, REPAIR
+    return found, _repair(scene, marker, best, settings)
 
 
 def _wrong_size(scene: Scene, finder: RobotFinder, marker: Marker, hypothesis: Any) -> str:
@@ -268,7 +279,7 @@ def _alone(scene: Scene, finder: RobotFinder, marker: Marker, blob: int, setting
         missing = what_is_missing(scene, marker, rows[0], settings)
         score, least = rows[0]["score"], finder.gates.min_confidence
         why = f"its confidence is {score:.2f}, below robots.min_confidence = {least:g}: {missing}"
-        return Missed(marker.team, x, y, why, REPAIR)
+        return Missed(marker.team, x, y, why, _repair(scene, marker, rows[0], settings))
     name = pattern_name(settings, marker)
     why = f"its team's patch is there, without another patch of pattern {name} near"
     advice = "Choose the pattern that the robots wear, or widen the classes of its patches."
