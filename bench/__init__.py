@@ -11,7 +11,7 @@ Cost of the pipeline's stages: ``segmentation``, ``loop`` (all stages), ``views`
 Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA paper's experiment, with ``cambada``),
 ``activation``, ``handover``, ``dashboards``, ``gc_pauses``.
 
-The whole service: ``clients``, ``faults`` (with ``fault_targets`` and ``shutdown``).
+The whole service: ``clients``, ``light`` (with ``true_world``), ``faults`` (with ``fault_targets`` and ``shutdown``).
 
 Shared parts: ``calibration_views`` renders the pictures of random cameras, ``service`` starts the real service,
 ``pictures`` gives it a fast camera, ``load`` keeps all cores busy, ``charts`` draws histograms. Helper processes run

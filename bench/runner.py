@@ -16,7 +16,7 @@ Row = dict[str, Any]
 
 BENCHMARKS = (
     *("accuracy", "calibration", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads", "scheduling"),
-    *("activation", "handover", "dashboards", "gc_pauses", "clients", "faults"),
+    *("activation", "handover", "dashboards", "gc_pauses", "clients", "light", "faults"),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
 KEYS = ("name", "value", "unit", "baseline", "ratio", "goal", "met")

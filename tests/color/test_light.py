@@ -185,18 +185,18 @@ def test_a_flicker_moves_nothing_and_a_covered_lens_keeps_the_last_gains() -> No
     assert settled(last, Light(black, (1.05, 1.0, 0.95)), ADAPT) == Light(black, NO_GAINS)
 
 
-def test_a_light_is_followed_when_two_looks_agree() -> None:
+def test_a_light_is_followed_when_three_looks_agree() -> None:
     colors = msgspec.structs.replace(SETTINGS.colors, light=ADAPT)
     eyes = SettlingLight(msgspec.structs.replace(SETTINGS, colors=colors), SETUP)
     own, dim, dimmer = scene(), scene((2.0, 2.0, 2.0)), scene((3.0, 3.0, 3.0))
     assert eyes.look(own)
     start = eyes.light
-    assert [eyes.look(pixels) for pixels in (dim, dimmer, dim)] == [False] * 3
+    assert [eyes.look(pixels) for pixels in (dim, dim, dimmer, dimmer, dim, dim)] == [False] * 6
     assert eyes.light is start
     assert eyes.look(dim)
     assert eyes.light.gain_bgr == pytest.approx((2.0, 2.0, 2.0), rel=0.03)
-    eyes.look(np.zeros_like(own))
-    eyes.look(np.zeros_like(own))
+    for _ in range(3):
+        eyes.look(np.zeros_like(own))
     assert eyes.light.reason is not None
     assert eyes.light.gain_bgr == pytest.approx((2.0, 2.0, 2.0), rel=0.03)
     eyes.reset()

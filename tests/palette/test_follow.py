@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from tests.palette.rendered import rendered, right_and_wrong
+from vision_core.color.light import NEUTRAL_LIGHT
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.evaluation.lights import LIGHTS
 from vision_core.palette.follow import Follower
-from vision_core.palette.reading import palette_of_settings, table_of_settings
+from vision_core.palette.reading import judged_again, palette_of_settings, table_of_settings
+from vision_core.palette.recover import recovered
+from vision_core.palette.trial import Trial
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.settings.schema import Settings
 from vision_core.venues.loader import load_settings
@@ -37,6 +40,22 @@ def test_the_light_changes_and_the_palette_with_it(settings: Settings, monkeypat
     assert right == true
     back = [follower.look(pixels) for pixels, _ in others]
     assert right_and_wrong(back[-1].palette.judged[0], others[-1][1])[1] == true
+
+
+def test_the_palette_of_the_set_up_is_found_again_in_another_light(
+    settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ((pixels, truth),) = rendered(settings, PAINTS_BGR, monkeypatch, 1)
+    table = compile_color_table(settings.colors)
+    trial = Trial(settings, settings.colors.light)
+    picture = trial.prepared(LIGHTS["2700 K"](pixels), NEUTRAL_LIGHT)
+    start = judged_again(trial, [picture], palette_of_settings(trial, table))
+    true = len(truth.robots)
+    assert start.read < true
+    found = recovered(trial, picture, start, true)
+    assert found is not None
+    again = judged_again(trial, [picture], found)
+    assert (again.read, right_and_wrong(again.judged[0], truth)[1:]) == (true, (true, 0))
 
 
 def test_an_empty_field_changes_nothing(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,6 +72,7 @@ def test_a_light_that_has_settled_is_told_and_can_be_taken_back(stage: Stage) ->
     assert (stage.told().light.gain_bgr, stage.told().changes, stage.told().held) == ((1.0, 1.0, 1.0), (), False)
     stage.see(1.0)
     stage.see(0.5)
+    stage.see(0.5)
     assert stage.told().light.gain_bgr == (1.0, 1.0, 1.0)
     stage.see(0.5)
     half = stage.told().light

@@ -6,6 +6,7 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vision_core.color.references import references_of
 from vision_core.color.samples import (
@@ -29,6 +30,7 @@ SPACES = {
     "ymp": (ymp_from_bgr, ("luma", "module", "phase_deg")),
 }
 
+ALL_CELLS: NDArray[np.int64] = frozen(np.arange(CELL_COUNT))
 MAX_CLASSES = 255
 """Class numbers are bytes, and 0 is no class."""
 
@@ -62,12 +64,16 @@ def compile_color_table(colors: ColorSettings) -> ColorTable:
     )
 
 
-def compile_samples(measured: Measured, sampling: SamplingSettings) -> ColorTable:
-    """The table of classes by samples alone."""
-    claims = claims_by_samples(_places_of_cells(), measured, sampling)
+def compile_samples(measured: Measured, sampling: SamplingSettings, cells: NDArray[np.int64] = ALL_CELLS) -> ColorTable:
+    """The table of classes by samples alone.
+
+    cells: those that are needed; the others get no class, which is quicker when pictures have few colors.
+    """
+    places = _places_of_cells()
+    claims = claims_by_samples(Places(places.chroma[cells], places.luma[cells]), measured, sampling)
     classes = np.zeros(CELL_COUNT, dtype=np.uint8)
     for number, claim in enumerate(claims.values(), start=1):
-        classes[claim] = number
+        classes[cells[claim]] = number
     means = [np.full(3, 127.0), *(colors.mean(axis=0) for colors in measured.classes.values())]
     return ColorTable(
         names=("", *claims),
@@ -91,10 +97,12 @@ def keep_classes(table: ColorTable, names: Collection[str]) -> ColorTable:
     return replace(table, classes=frozen(np.where(kept[table.classes], table.classes, 0).astype(np.uint8)))
 
 
+@cache
 def cell_centers() -> Floats:
     """Blue green red at the middle of every cell of the table, in its order, shape (65536, 3)."""
-    corner = np.column_stack(cell_corner(np.arange(CELL_COUNT)))
-    return corner + (np.array(CELL_SIZE_BGR) - 1) / 2.0
+    corner = np.column_stack(cell_corner(ALL_CELLS))
+    centers: Floats = frozen(corner + (np.array(CELL_SIZE_BGR) - 1) / 2.0)
+    return centers
 
 
 @cache

@@ -1,7 +1,7 @@
 """The light that a running service sees with: it follows what is measured once that has settled.
 
 A lamp that flickers, a hand over the field and a camera that still adjusts itself change the light from look to look;
-such lights are waited for. A light is taken when two looks one after the other agree on it, the first one at once.
+such lights are waited for. A light is taken when some looks one after the other agree on it, the first one at once.
 """
 
 from vision_core.color.light import MIN_GAIN_CHANGE, Lighting, gain_distance, settled, start_light
@@ -12,6 +12,8 @@ from vision_core.types.colors import Light
 
 SAME = 2.0 * MIN_GAIN_CHANGE
 """Two looks agree when the logarithms of their gains differ by no more."""
+AGREEING = 3
+"""So many looks must agree."""
 
 
 class SettlingLight:
@@ -26,16 +28,19 @@ class SettlingLight:
         """Begin again with the light of the set-up."""
         self.light = start_light(self._settings)
         """In force."""
-        self._last: Light | None = None
+        self._agreed: Light | None = None
+        self._agreeing = 0
 
     def look(self, pixels: Bytes) -> bool:
         """Measure the light of the newest picture, shape (height, width, 3); False while it has not settled."""
-        now, before = self._lighting.measure(pixels), self._last
-        wanted = settled(self.light, now, self._settings)
-        self._last = now
-        is_steady = before is None or (
-            gain_distance(now, before) <= SAME and (now.reason is None) == (before.reason is None)
-        )
-        if is_steady:
+        now = self._lighting.measure(pixels)
+        if self._agreed is None:
+            self._agreeing = AGREEING
+        elif gain_distance(now, self._agreed) <= SAME and (now.reason is None) == (self._agreed.reason is None):
+            self._agreeing += 1
+        else:
+            self._agreeing = 1
+        self._agreed, wanted = now, settled(self.light, now, self._settings)
+        if self._agreeing >= AGREEING:
             self.light = wanted
-        return is_steady or gain_distance(wanted, self.light) == 0.0
+        return self.light.gain_bgr == wanted.gain_bgr

@@ -9,12 +9,14 @@ their places how clear their markers are.
 *Starts* (``starts``): palettes from these names, and from the paints' names alone in many lights.
 *Judge* (``trial``): what the hot path reads with a palette, and how much of it the picture confirms.
 *Learn* (``learn``): what paints and floor look like, from the robots that are read; then read again.
+*Recover* (``recover``): a palette that was right, with the shifts and scales that another light brings.
+*Follow* (``follow``): which of these a running service needs, look by look.
 *Result* (``result``): samples for the venue's file, papers that are too alike, what was not seen.
 
 Before: FU-Fighters (Egorova et al., "Plug & Play: Fast Automatic Geometry and Color Calibration for Cameras Tracking
 Mobile Robots", RoboCup 2004) learned colors from tracked robots; Gunnarsson, Wiesel and Rojas ("The Color and the
 Shape", RoboCup 2005) found regions by geometry and learned their colors then.
 
-Files, outside in: ``find``, ``result``, ``starts``, ``learn``, ``trial``, ``light``, ``naming``, ``marker_search``,
-``template``.
+Files, outside in: ``follow``, ``recover``, ``find``, ``result``, ``starts``, ``learn``, ``trial``, ``light``,
+``naming``, ``marker_search``, ``template``.
 """

@@ -8,11 +8,14 @@ better. The palette under which the pictures are explained best wins.
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vision_core.color.samples import Measured, claims_by_samples, places_of
 from vision_core.geometry import Bytes
 from vision_core.palette.learn import LEARNED, learn
 from vision_core.palette.light import light_from
-from vision_core.palette.reading import Palette, judged_again, judged_with
+from vision_core.palette.reading import Palette, cells_of, completed, judged_again, judged_with
 from vision_core.palette.result import ColorsFound, result_of
 from vision_core.palette.starts import FIRST, starts_for
 from vision_core.palette.trial import Picture, Trial
@@ -52,30 +55,46 @@ def find_palette(trial: Trial, pictures: Sequence[Picture], progress: Progress =
     """The palette that explains pictures best."""
     progress(0.0, "searching for shapes of markers")
     first = pictures[:FIRST_PICTURES]
-    starts = starts_for(trial, first)
+    starts, cells = starts_for(trial, first), cells_of(pictures)
     tried: dict[str, list[Palette]] = {}
     progress(0.3, f"trying {len(starts)} first guesses")
     for kind, measured in starts:
-        if _covered(measured, FIRST, first[0]) <= MAX_COVERED:
-            tried.setdefault(kind, []).append(judged_with(trial, first, measured, FIRST))
+        if not is_too_wide(measured, FIRST, first[0]):
+            tried.setdefault(kind, []).append(judged_with(trial, first, measured, FIRST, cells))
     chosen = [one for kind in tried.values() for one in sorted(kind, key=lambda one: -one.score)[:REFINED]]
     best: Palette | None = None
     for number, start in enumerate(chosen):
         progress(0.5 + 0.5 * number / len(chosen), f"learning from what is read, guess {number + 1} of {len(chosen)}")
-        found = refined(trial, pictures, judged_again(trial, pictures, start))
+        found = refined_on(trial, pictures, judged_again(trial, pictures, start), cells)
         if best is None or found.score > best.score:
             best = found
-    return best or judged_with(trial, pictures, starts[0][1], FIRST)
+    return completed(best or judged_with(trial, pictures, starts[0][1], FIRST, cells))
 
 
-def refined(trial: Trial, pictures: Sequence[Picture], start: Palette) -> Palette:
-    """Learn from what is read, read again, and so on; the best of all. start: judged on these pictures."""
+def refined(trial: Trial, pictures: Sequence[Picture], start: Palette, *, ball_as_read: bool = False) -> Palette:
+    """Learn from what is read, read again, and so on; the best of all.
+
+    start: judged on these pictures; ball_as_read: as of ``learn``.
+    """
+    best = refined_on(trial, pictures, start, cells_of(pictures), ball_as_read=ball_as_read)
+    return best if best is start else completed(best)
+
+
+def refined_on(
+    trial: Trial,
+    pictures: Sequence[Picture],
+    start: Palette,
+    cells: NDArray[np.int64],
+    *,
+    ball_as_read: bool = False,
+) -> Palette:
+    """The same; cells: of ``cells_of`` these pictures, to which the table is limited."""
     best = last = start
     for _ in range(ROUNDS):
-        measured, counts = learn(trial, pictures, last.judged)
-        if _covered(measured, LEARNED, pictures[0]) > MAX_COVERED:
+        measured, counts = learn(trial, pictures, last.judged, ball_as_read=ball_as_read)
+        if is_too_wide(measured, LEARNED, pictures[0]):
             break
-        last = judged_with(trial, pictures, measured, LEARNED, counts)
+        last = judged_with(trial, pictures, measured, LEARNED, cells, counts)
         if last.score > (best.score if best.learned else GUESS_SHARE * best.score):
             best = last
         elif best.learned:
@@ -83,7 +102,7 @@ def refined(trial: Trial, pictures: Sequence[Picture], start: Palette) -> Palett
     return best
 
 
-def _covered(measured: Measured, sampling: SamplingSettings, picture: Picture) -> float:
-    """Share of a picture's field that has a class."""
+def is_too_wide(measured: Measured, sampling: SamplingSettings, picture: Picture) -> bool:
+    """Has more than MAX_COVERED of a picture's field a class?"""
     claims = claims_by_samples(places_of(picture.floor_bgr[::5]), measured, sampling)
-    return sum(float(claim.mean()) for claim in claims.values())
+    return sum(float(claim.mean()) for claim in claims.values()) > MAX_COVERED

@@ -2,13 +2,14 @@
 
 First the light: its gains are measured on the field, often, since that is cheap, and taken out of the pictures once
 they have settled (``color.settling``). What is left of the change the palette follows: every look judges the palette in
-force on the newest picture. Where less is read than usual, the palette is learned anew
-from the robots that still are; when that does not help, it is found from nothing. A change is made only when more
-robots are read with it and the picture is explained clearly better. What counts there is the shape of the markers,
-which no color can feign: so a hand over the field or an empty field changes nothing. The palette of the settings comes
-back as soon as it explains the picture as well.
+force on the newest picture. Where fewer robots are read than usual, the palette is learned anew from those that still
+are; when that does not bring back all, that of the set-up is tried in other lights (``recover``); at last one is found
+from nothing. A change is made only when more robots are read with it and the picture is explained clearly better. What
+counts there is the shape of the markers, which no color can feign: so a hand over the field or an empty field changes
+nothing. The palette of the settings comes back as soon as it explains the picture as well.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,26 +18,22 @@ from vision_core.color.settling import SettlingLight
 from vision_core.geometry import Bytes
 from vision_core.palette.find import Progress, find_palette, no_progress, refined
 from vision_core.palette.reading import Palette, judged_again, palette_of_settings
+from vision_core.palette.recover import recovered
 from vision_core.palette.trial import Picture, Trial
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable, Light
 
 BETTER = 0.4
 """A palette must read more robots than the one in force, and score so much more: a fifth of one that is read."""
-USUAL_SHARE = 0.93
-"""With a smaller share of the usual score something is missing."""
-AS_GOOD = 0.97
-"""The palette of the settings comes back when it scores this share of what is usual."""
 FORGET = 0.01
-"""How much of what is usual is forgotten with every look: robots leave the field."""
-DROP = 0.85
-"""With a smaller share of the last look's score the light has changed: an attempt is made at once."""
-PATIENCE = 4
-"""Looks to wait after an attempt that did not help; twice as many after the next one, up to MAX_PATIENCE."""
+"""How many robots fewer are usual after every look: they leave the field."""
+PATIENCE = 2
+"""Looks to wait after an attempt that did not help; twice as many after the next one, up to MAX_PATIENCE. A robot less
+than in the last look is a reason not to wait."""
 MAX_PATIENCE = 64
-JUDGE_EVERY = 4
+JUDGE_EVERY = 10
 """The palette is judged once in so many pictures whose light is measured, and when another light has settled."""
-WAIT_FOR_LIGHT = 16
+WAIT_FOR_LIGHT = 40
 """While the light does not settle the palette is judged once in so many."""
 
 
@@ -78,7 +75,7 @@ class Follower:
         self.is_due = True
         """Is it time for a look?"""
         self._palette: Palette | None = None
-        self._usual, self._last, self._wait, self._patience = 0.0, 0.0, 0, PATIENCE
+        self._usual, self._last, self._wait, self._patience = 0.0, 0, 0, PATIENCE
 
     @property
     def light(self) -> Light:
@@ -100,33 +97,44 @@ class Follower:
         picture = self.trial.prepared(pixels, self.light)
         start = judged_again(self.trial, [picture], self._start)
         now = start if self._palette is None else judged_again(self.trial, [picture], self._palette)
-        self._usual = max(now.score, self._usual * (1.0 - FORGET))
+        self._usual = max(float(now.read), self._usual - FORGET)
         self._wait = max(self._wait - 1, 0)
-        if now.score < DROP * self._last:
+        if now.read < self._last:
             self._wait, self._patience = 0, PATIENCE
-        self._last = now.score
-        if self._palette is not None and start.score >= max(now.score, AS_GOOD * self._usual):
-            self._palette, self._usual = None, start.score
+        self._last = now.read
+        if self._palette is not None and (start.read, start.score) >= (max(now.read, self.expected), now.score):
+            self._palette = None
             return Look(start, "start")
-        if now.score >= USUAL_SHARE * self._usual and self._palette is not None:
+        if now.read >= self.expected and self._palette is not None:
             self._patience = PATIENCE
             return Look(now, "kept")
         if self._wait:
             return Look(now, "kept")
         return self._improved(picture, now)
 
+    @property
+    def expected(self) -> int:
+        """How many robots should be read: as many as usual."""
+        return round(self._usual)
+
     def _improved(self, picture: Picture, now: Palette) -> Look:
-        """A better palette, if there is one."""
-        learned = refined(self.trial, [picture], now)
-        best, what = (learned, "learned") if self._is_better(learned, now) else (now, "kept")
-        if best.score < USUAL_SHARE * self._usual:
-            found = find_palette(self.trial, [picture], self._progress)
-            if self._is_better(found, best):
-                best, what = found, "found"
+        """A better palette, if there is one: the quickest way to one that reads all robots."""
+        best, what = now, "kept"
+        ways: tuple[tuple[str, Callable[[], Palette | None]], ...] = (
+            ("learned", lambda: refined(self.trial, [picture], now, ball_as_read=True)),
+            ("found", lambda: recovered(self.trial, picture, self._start, self.expected, self._progress)),
+            ("found", lambda: find_palette(self.trial, [picture], self._progress)),
+        )
+        for name, way in ways:
+            found = way()
+            if found is not None and self._is_better(found, best):
+                best, what = found, name
+            if best.read >= self.expected:
+                break
         if what == "kept":
             self._wait, self._patience = self._patience, min(2 * self._patience, MAX_PATIENCE)
             return Look(now, what)
-        self._palette, self._last = best, best.score
+        self._palette, self._last = best, best.read
         return Look(best, what)
 
     def _is_better(self, one: Palette, other: Palette) -> bool:

@@ -10,7 +10,7 @@ from vision_core.color.samples import Measured, distances
 from vision_core.geometry import Bytes, Floats, Mask, rotation
 from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.models.from_settings import robots_of
-from vision_core.objects.robots.shape_search import measure_colors
+from vision_core.objects.robots.shape_search import measure_colors, score_of
 from vision_core.palette.naming import PAINT_SD, SCALE_SD, SHIFT_SD, USUAL_SCALE
 from vision_core.palette.trial import BALL, BALL_RADII, ROBOT_RADII, Judged, Kind, Picture, Trial
 from vision_core.settings.schema import SamplingSettings
@@ -45,8 +45,14 @@ RARE_SHARE, DOUBT = 0.01, 3.0
 was missed: it is not listed."""
 
 
-def learn(trial: Trial, pictures: Sequence[Picture], judged: Sequence[Judged]) -> tuple[Measured, NDArray[np.int64]]:
-    """The palette that pictures show, and how many patches of each paint were seen; shape (paints,)."""
+def learn(
+    trial: Trial, pictures: Sequence[Picture], judged: Sequence[Judged], *, ball_as_read: bool = False
+) -> tuple[Measured, NDArray[np.int64]]:
+    """The palette that pictures show, and how many patches of each paint were seen; shape (paints,).
+
+    ball_as_read: what is read as the ball is believed when it is a disc, which is quicker than to search for discs, and
+    right when the palette was.
+    """
     shown: list[list[Floats]] = [[] for _ in trial.paints]
     floor, tops = [], []
     for picture, seen in zip(pictures, judged, strict=True):
@@ -66,7 +72,7 @@ def learn(trial: Trial, pictures: Sequence[Picture], judged: Sequence[Judged]) -
     shown[ball] += [
         color
         for picture, seen in zip(pictures, judged, strict=True)
-        for color in _ball_color(trial, picture, seen, expected)
+        for color in _ball_color(trial, picture, seen, expected, as_read=ball_as_read)
     ]
     counts = np.array([len(colors) for colors in shown])
     placed = placed_by_name(trial, shown)
@@ -119,13 +125,26 @@ def bgr_from_chromaticity(places: Floats, luma: float = 70.0) -> Floats:
     return colors
 
 
-def _ball_color(trial: Trial, picture: Picture, seen: Judged, expected: Floats) -> list[Floats]:
-    """The color of a picture's ball, or none: of the clearest disc beside the robots whose hue may be the ball's."""
-    best, color = MIN_DISC, None
-    for disc in trial.shapes(picture, trial.kinds[BALL]):
+def _ball_color(trial: Trial, picture: Picture, seen: Judged, expected: Floats, *, as_read: bool) -> list[Floats]:
+    """The color of a picture's ball, or none: of the clearest disc beside the robots whose hue may be the ball's.
+
+    as_read: as of ``learn``.
+    """
+    kind, best, color = trial.kinds[BALL], MIN_DISC, None
+
+    def fit_of(score: float, shown: Floats) -> float:
+        away = float(np.hypot(*(chromaticity(shown) - expected)))
+        return score * float(np.exp(-0.5 * (away / PAINT_SD) ** 2))
+
+    for ball in seen.balls[:1] if as_read else ():
+        place = float(ball["x_m"]), float(ball["y_m"])
+        score = score_of(picture.scene, trial.camera_map, kind.template, kind.height_m, *place, 0.0, 1.0)
+        shown = _colors_at(trial, picture.pixels, BALL, np.array([score, *place, 0.0, 1.0]))[0]
+        if fit_of(score, shown) > MIN_DISC and not _is_on_a_robot(trial, seen, *place):
+            return [shown]
+    for disc in trial.shapes(picture, kind):
         score, x, y = disc.poses[0, :3]
-        away = float(np.hypot(*(chromaticity(disc.colors[0, 0]) - expected)))
-        fit = float(score) * np.exp(-0.5 * (away / PAINT_SD) ** 2)
+        fit = fit_of(float(score), disc.colors[0, 0])
         if fit > best and not _is_on_a_robot(trial, seen, float(x), float(y)):
             best, color = fit, disc.colors[0, 0]
     return [] if color is None else [color]

@@ -10,7 +10,7 @@ from vision_core.color.lookup_table import compile_samples
 from vision_core.color.samples import Measured
 from vision_core.palette.trial import Judged, Picture, Trial
 from vision_core.settings.schema import SamplingSettings
-from vision_core.types.colors import ColorTable
+from vision_core.types.colors import CELL_COUNT, ColorTable, cell_index
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +45,28 @@ def judged_with(
     pictures: Sequence[Picture],
     measured: Measured,
     sampling: SamplingSettings,
+    cells: NDArray[np.int64],
     counts: NDArray[np.int64] | None = None,
 ) -> Palette:
-    """What is read in pictures with some colors."""
+    """What is read in pictures with some colors. cells: of ``cells_of`` these pictures; the table has no others."""
     none = np.zeros(len(trial.paints), dtype=np.int64)
-    table = compile_samples(measured, sampling)
+    table = compile_samples(measured, sampling, cells)
     return judged_again(trial, pictures, Palette(table, measured, sampling, none if counts is None else counts))
+
+
+def cells_of(pictures: Sequence[Picture]) -> NDArray[np.int64]:
+    """The cells of the color table that pictures have, in ascending order."""
+    is_there = np.zeros(CELL_COUNT, dtype=np.bool_)
+    for picture in pictures:
+        is_there[cell_index(*np.moveaxis(picture.pixels.astype(np.int32), -1, 0))] = True
+    return np.flatnonzero(is_there)
+
+
+def completed(palette: Palette) -> Palette:
+    """The same palette with a table of all cells, for other pictures."""
+    if palette.measured is None:
+        return palette
+    return replace(palette, table=compile_samples(palette.measured, palette.sampling))
 
 
 def judged_again(trial: Trial, pictures: Sequence[Picture], palette: Palette) -> Palette:

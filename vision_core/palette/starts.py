@@ -32,8 +32,7 @@ def starts_for(trial: Trial, pictures: Sequence[Picture]) -> list[tuple[str, Mea
     lumas = floor @ LUMA_BGR
     grey = np.median(chromaticity(floor[lumas >= np.quantile(lumas, LIGHTEST)]), axis=0)
     carpet = np.median(chromaticity(floor), axis=0)
-    colors, shares = floor_samples(floor)
-    plain = colors[shares >= PLAIN_SHARE]
+    plain = plain_colors(pictures)
     typical = chromaticity(trial.typical)
     by_name = [
         scale * typical + center + np.array([blue, red])
@@ -44,12 +43,19 @@ def starts_for(trial: Trial, pictures: Sequence[Picture]) -> list[tuple[str, Mea
     ]
     by_shape = _by_shapes(trial, pictures, np.array([carpet, grey]))
     return [
-        *(("names", _palette_at(trial, means, plain)) for means in by_name),
-        *(("shapes", _palette_at(trial, means, plain)) for means in by_shape),
+        *(("names", palette_at(trial, means, plain)) for means in by_name),
+        *(("shapes", palette_at(trial, means, plain)) for means in by_shape),
     ]
 
 
-def _palette_at(trial: Trial, means: Floats, plain: Floats) -> Measured:
+def plain_colors(pictures: Sequence[Picture]) -> Floats:
+    """The colors that have a large share of the field, shape (n, 3)."""
+    colors, shares = floor_samples(np.concatenate([picture.floor_bgr for picture in pictures]))
+    found: Floats = colors[shares >= PLAIN_SHARE]
+    return found
+
+
+def palette_at(trial: Trial, means: Floats, plain: Floats) -> Measured:
     """The palette whose paints have some chromaticities, shape (paints, 2)."""
     colors = bgr_from_chromaticity(means)
     colors[trial.colorless] = bgr_from_chromaticity(means[trial.colorless], PALE_LUMA)
