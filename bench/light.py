@@ -38,7 +38,9 @@ from vision_core.venues.loader import load_settings
 
 VENUE = "demo-vsss"
 PER_TEAM = 5
-OPTIONS = f"synthetic.robots_per_team = {PER_TEAM}\nmatch.numbers = {PER_TEAM}\n"
+OPTIONS = f"synthetic.robots_per_team = {PER_TEAM}\nmatch.numbers = {PER_TEAM}\ntasks.source.priority = 5\n"
+"""The simulated camera has the lowest real-time priority: a real one takes no time from other programs, nor they from
+it. The task ``follow`` has none."""
 LASTS_S = 4.0
 SETTLE_S = 10.0
 """After the start, before the first change."""

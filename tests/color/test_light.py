@@ -199,6 +199,17 @@ def test_a_light_is_followed_when_three_looks_agree() -> None:
         eyes.look(np.zeros_like(own))
     assert eyes.light.reason is not None
     assert eyes.light.gain_bgr == pytest.approx((2.0, 2.0, 2.0), rel=0.03)
+    for _ in range(3):
+        eyes.look(own)
+    assert eyes.light.gain_bgr == NO_GAINS
+    for _ in range(3):
+        eyes.look(dim)
+    eyes.refuse()
+    assert [eyes.look(dim) for _ in range(4)] == [True] * 4
+    assert eyes.light.gain_bgr == NO_GAINS
+    eyes.reconsider()
+    eyes.look(dim)
+    assert eyes.light.gain_bgr != NO_GAINS
     eyes.reset()
     assert eyes.light == start
     assert eyes.look(dim)  # a service that starts in another light does not wait

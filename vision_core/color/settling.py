@@ -28,8 +28,18 @@ class SettlingLight:
         """Begin again with the light of the set-up."""
         self.light = start_light(self._settings)
         """In force."""
+        self._before = self.light
+        self._refused: Light | None = None
         self._agreed: Light | None = None
         self._agreeing = 0
+
+    def refuse(self) -> None:
+        """Go back to the light before the last one, and do not take that again until it is reconsidered or differs."""
+        self._refused, self.light = self.light, self._before
+
+    def reconsider(self) -> None:
+        """Take the light that was refused when it is measured once more."""
+        self._refused = None
 
     def look(self, pixels: Bytes) -> bool:
         """Measure the light of the newest picture, shape (height, width, 3); False while it has not settled."""
@@ -41,6 +51,8 @@ class SettlingLight:
         else:
             self._agreeing = 1
         self._agreed, wanted = now, settled(self.light, now, self._settings)
+        if self._refused is not None and gain_distance(wanted, self._refused) <= SAME:
+            return True
         if self._agreeing >= AGREEING:
-            self.light = wanted
+            self._before, self._refused, self.light = self.light, None, wanted
         return self.light.gain_bgr == wanted.gain_bgr

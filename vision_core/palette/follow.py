@@ -88,6 +88,8 @@ class Follower:
         is_settled = self._settling.look(pixels)
         self._watched += 1
         has_moved = self.light.gain_bgr != before.gain_bgr
+        if has_moved and self._reads_fewer(pixels, before):
+            self._settling.refuse()
         self.is_due = has_moved or self._watched >= (JUDGE_EVERY if is_settled else WAIT_FOR_LIGHT)
         return self.light != before
 
@@ -101,6 +103,7 @@ class Follower:
         self._wait = max(self._wait - 1, 0)
         if now.read < self._last:
             self._wait, self._patience = 0, PATIENCE
+            self._settling.reconsider()
         self._last = now.read
         if self._palette is not None and (start.read, start.score) >= (max(now.read, self.expected), now.score):
             self._palette = None
@@ -111,6 +114,18 @@ class Follower:
         if self._wait:
             return Look(now, "kept")
         return self._improved(picture, now)
+
+    def _reads_fewer(self, pixels: Bytes, before: Light) -> bool:
+        """Are fewer robots read in the light in force than in the one before?
+
+        What changed is no gain then: another curve of the camera or its black level, for example.
+        """
+        palettes = [self._start] if self._palette is None else [self._palette, self._start]
+        old, new = (
+            max(judged_again(self.trial, [self.trial.prepared(pixels, light)], palette).read for palette in palettes)
+            for light in (before, self.light)
+        )
+        return new < old
 
     @property
     def expected(self) -> int:

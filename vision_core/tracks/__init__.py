@@ -27,6 +27,6 @@ Rules:
 - An obstacle is assumed to keep its velocity (a new one: to stand still) until a maneuver is detected: a sighting
   farther from the prediction than noise explains. Then its velocity becomes uncertain again.
 - Position decides before id. A robot whose id is read wrongly is still the robot that was there;
-  a track changes its id only after two readings in a row.
+  a track changes its id only after eight readings in a row.
 - Nothing older than its validity is written to a world.
 """

@@ -6,9 +6,10 @@ Each frame, in this order:
 2. A sighting with an id continues the track of that team and id, if it lies within the track's gate.
 3. The remaining sightings (without an id, or outside the gate of the track with their id) continue the nearest track
    of the same team that step 2 left over. The track keeps its id: position decides before id.
-4. Another id that is read twice in a row on the same track is accepted: the track takes it over. The track that had
-   it loses it, unless its own id was read in the same frame, too (two robots with one marker: the track that had the
-   id keeps it, the other one stays without). A track without an id takes a free id at once.
+4. Another id that is read eight times in a row on the same track is accepted: the track takes it over; a track without
+   an id takes one that another track has when it is read twice, and a free one at once. The track that had it loses it,
+   unless its own id was read in the same frame, too (two robots with one marker: the track that had the id keeps it,
+   the other one stays without).
 5. Every other sighting starts a track **at once**, so that a robot is served from its first frame and is an edge
    in the others' views. If its id belongs to another track, the new track has no id: one false reading moves no
    robot, a true jump is confirmed by the next frame (rule 4).
@@ -34,7 +35,10 @@ from vision_core.tracks.state import UNKNOWN_HEADING_VARIANCE, Row
 from vision_core.types.tables import MAX_ROBOTS, NO_ID, Table
 
 MIN_READINGS = 2
-"""So many readings in a row give a track another id."""
+"""So many readings in a row give a track without an id that of another track."""
+RENAMING_READINGS = 8
+"""So many give a track with an id another one: in a light that has just changed ids are misread now and then, until the
+colors have followed."""
 ROBOTS = 0
 """Index of the robots in the counts of every table."""
 
@@ -163,7 +167,8 @@ def resolve_id(tracks: Table, count: int, track: Row, reading: int, at: int) -> 
         return
     track.candidate_readings = track.candidate_readings + 1 if track.candidate_id == reading else 1
     track.candidate_id = reading
-    if track.candidate_readings < MIN_READINGS and (track.id != NO_ID or owner >= 0):
+    needed = RENAMING_READINGS if track.id != NO_ID else MIN_READINGS if owner >= 0 else 1
+    if track.candidate_readings < needed:
         return
     # Accepted. The former owner goes on without an id, or is deleted if this frame did not show it.
     if owner >= 0:
