@@ -4,7 +4,7 @@ Theory of operation. A color is evidence, not a box. A paint is a reference colo
 palette explains the pictures best. The hot path judges that: with a palette it finds robots, and the picture shows at
 their places how clear their markers are.
 
-*Shapes first* (``template``, ``marker_search``): places where the regions of a marker each have one color and differ.
+*Shapes first* (``objects.robots.shape_search``): places where the regions of a marker each have one color and differ.
 *Names* (``naming``): which of their colors is which paint, for many scales and shifts of the light.
 *Starts* (``starts``): palettes from these names, and from the paints' names alone in many lights.
 *Judge* (``trial``): what the hot path reads with a palette, and how much of it the picture confirms.
@@ -18,5 +18,5 @@ Mobile Robots", RoboCup 2004) learned colors from tracked robots; Gunnarsson, Wi
 Shape", RoboCup 2005) found regions by geometry and learned their colors then.
 
 Files, outside in: ``follow``, ``recover``, ``find``, ``result``, ``starts``, ``learn``, ``trial``, ``light``,
-``naming``, ``marker_search``, ``template``.
+``naming``.
 """

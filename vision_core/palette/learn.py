@@ -10,7 +10,8 @@ from vision_core.color.samples import Measured, distances
 from vision_core.geometry import Bytes, Floats, Mask, rotation
 from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.models.from_settings import robots_of
-from vision_core.objects.robots.shape_search import measure_colors, score_of
+from vision_core.objects.robots.marker_shape import score_of
+from vision_core.objects.robots.shape_search import measure_colors
 from vision_core.palette.naming import PAINT_SD, SCALE_SD, SHIFT_SD, USUAL_SCALE
 from vision_core.palette.trial import BALL, BALL_RADII, ROBOT_RADII, Judged, Kind, Picture, Trial
 from vision_core.settings.schema import SamplingSettings
@@ -139,7 +140,7 @@ def _ball_color(trial: Trial, picture: Picture, seen: Judged, expected: Floats, 
     for ball in seen.balls[:1] if as_read else ():
         place = float(ball["x_m"]), float(ball["y_m"])
         score = score_of(picture.scene, trial.camera_map, kind.template, kind.height_m, *place, 0.0, 1.0)
-        shown = _colors_at(trial, picture.pixels, BALL, np.array([score, *place, 0.0, 1.0]))[0]
+        shown = _colors_at(trial, picture.pixels, kind, np.array([score, *place, 0.0, 1.0]))[0]
         if fit_of(score, shown) > MIN_DISC and not _is_on_a_robot(trial, seen, *place):
             return [shown]
     for disc in trial.shapes(picture, kind):
