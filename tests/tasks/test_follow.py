@@ -22,7 +22,7 @@ from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.palette import LivePalette
 from vision_core.venues.loader import load_settings
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]  # the first test may compile the hot path
 
 SETTINGS = load_settings()
 CAMERA = CameraSetup.from_settings(SETTINGS)
