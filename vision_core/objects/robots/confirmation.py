@@ -61,11 +61,11 @@ APART = 0.6
 """A robot that is not read, nearer than this share of the marker's size, is the same one."""
 HELD_SCORE, SUGGESTED_SCORE = 0.5, 0.65
 """How clear the shape must be (``marker_shape.score_of``): of a robot that was there before; of a new one."""
-MIN_MARGIN = 3.0
+MIN_MARGIN = 5.0
 """Energy that any other robot must need beyond the best one."""
 MIN_GAIN = 5.0
 """Energy that floor and white things must need beyond the paints."""
-MAX_MISFIT = 40.0
+MAX_MISFIT = 30.0
 """Energy of one patch beyond which no paint explains it."""
 PLAIN_SD = 0.1
 """Standard deviation of the chromaticity of floor and white things."""
