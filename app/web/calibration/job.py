@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 
 from app.web.background import BackgroundJob, JobState
-from app.web.calibration.pictures import CalibrationPictures, Kind
+from app.web.calibration.pictures import CalibrationPictures, Shown
 from vision_core.calibration.board.result import LensCalibration
 from vision_core.calibration.job import CameraJob, LensJob
 from vision_core.calibration.result import Calibration
@@ -50,10 +50,10 @@ class CameraCalibration:
         """Raise RequestRefused while a job runs."""
         self._job.check_idle()
 
-    def forget(self, kind: Kind) -> None:
+    def forget(self, kind: Shown) -> None:
         """Forget what was found by other pictures of a kind. Raises RequestRefused while a job runs."""
         self._job.forget()
-        if kind is Kind.FIELD:
+        if kind is Shown.FIELD:
             self.result = None
         else:
             self.lens = None

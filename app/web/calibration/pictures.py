@@ -21,7 +21,7 @@ THUMBNAIL_PX, BROWSER_PX = 240, 8192
 NAME_LENGTH = 60
 
 
-class Kind(StrEnum):
+class Shown(StrEnum):
     """What pictures show."""
 
     FIELD = "field"
@@ -34,7 +34,7 @@ class CalibrationPicture:
 
     number: int
     """No other picture has ever had it."""
-    kind: Kind
+    kind: Shown
     name: str
     path: Path
     size_px: tuple[int, int]
@@ -52,23 +52,23 @@ class CalibrationPictures:
         self._made = 0
         shutil.rmtree(folder, ignore_errors=True)
 
-    def of(self, kind: Kind) -> list[CalibrationPicture]:
+    def of(self, kind: Shown) -> list[CalibrationPicture]:
         """The pictures of a kind, in the order in which they were given."""
         return [one for one in self._pictures.values() if one.kind is kind]
 
-    def files(self, kind: Kind) -> tuple[PictureFile, ...]:
+    def files(self, kind: Shown) -> tuple[PictureFile, ...]:
         """The same for a job. Raises RequestRefused when there is none."""
         found = tuple(PictureFile(str(one.path), one.name) for one in self.of(kind))
         if not found:
-            what = "a calibration" if kind is Kind.FIELD else "a lens"
+            what = "a calibration" if kind is Shown.FIELD else "a lens"
             raise RequestRefused(HTTPStatus.CONFLICT, what, found="no picture", accepted="take a picture first")
         return found
 
-    def add_pixels(self, kind: Kind, name: str, pixels: Bytes) -> None:
+    def add_pixels(self, kind: Shown, name: str, pixels: Bytes) -> None:
         """Take a picture of the camera; shape (height, width, 3). Raises RequestRefused."""
         self.add(kind, name, encode_png(pixels))
 
-    def add(self, kind: Kind, name: str, data: bytes) -> None:
+    def add(self, kind: Shown, name: str, data: bytes) -> None:
         """Take a picture's file. Raises RequestRefused, naming it; all others stay."""
         called = f"picture {name[:NAME_LENGTH]}"
         if len(data) > MAX_FILE_BYTES:
@@ -102,7 +102,7 @@ class CalibrationPictures:
             del self._pictures[number]
             self._shown = {key: data for key, data in self._shown.items() if key[0] != number}
 
-    def clear(self, kind: Kind) -> None:
+    def clear(self, kind: Shown) -> None:
         """Take all pictures of a kind out."""
         with self._lock:
             for one in self.of(kind):

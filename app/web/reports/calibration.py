@@ -7,7 +7,7 @@ from msgspec import to_builtins
 
 from app.web.background import JobState
 from app.web.calibration.job import CameraCalibration, Work
-from app.web.calibration.pictures import CalibrationPicture, Kind
+from app.web.calibration.pictures import CalibrationPicture, Shown
 from app.web.reports.base import Report
 from vision_core.calibration.board.result import LensCalibration
 from vision_core.calibration.result import Calibration
@@ -146,8 +146,8 @@ def calibration_from(job: CameraCalibration, settings: Settings) -> CalibrationR
     """The report of the newest job. settings: with the changes that wait for a restart."""
     step, held = job.step, settings.camera.lens
     return CalibrationReport(
-        pictures=_pictures(job.pictures.of(Kind.FIELD)),
-        boards=_pictures(job.pictures.of(Kind.BOARD)),
+        pictures=_pictures(job.pictures.of(Shown.FIELD)),
+        boards=_pictures(job.pictures.of(Shown.BOARD)),
         work=job.work,
         state=job.state,
         what=step.what,

@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field
 
 from app.web.blackboard import Blackboard
 from app.web.calibration.job import CameraCalibration
-from app.web.calibration.pictures import Kind
+from app.web.calibration.pictures import Shown
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import setting
 from app.web.middleware.gate import FILE_BODY
@@ -67,7 +67,7 @@ def _picture_routes(
         return calibration_from(job, configuration.settings)
 
     @router.post("/pictures", openapi_extra=FILE_BODY)
-    async def add(request: Request, of: Kind, name: Annotated[str, Query(max_length=200)]) -> CalibrationReport:
+    async def add(request: Request, of: Shown, name: Annotated[str, Query(max_length=200)]) -> CalibrationReport:
         """Takes one picture's file, at most 32 MB, as application/octet-stream. A bad one is refused with its name,
         and the others stay."""
         job.check_idle()
@@ -77,7 +77,7 @@ def _picture_routes(
         return calibration_from(job, configuration.settings)
 
     @router.post("/pictures/camera")
-    def take(of: Kind) -> CalibrationReport:
+    def take(of: Shown) -> CalibrationReport:
         """Takes the newest picture of the camera in use, beside those that are there."""
         picture = blackboard.picture()
         if picture is None:
@@ -87,7 +87,7 @@ def _picture_routes(
         return calibration_from(job, configuration.settings)
 
     @router.delete("/pictures")
-    def clear(of: Kind) -> CalibrationReport:
+    def clear(of: Shown) -> CalibrationReport:
         """Takes all pictures of the field, or of a board, out."""
         job.forget(of)
         job.pictures.clear(of)
@@ -125,7 +125,7 @@ def _job_routes(router: APIRouter, job: CameraCalibration, configuration: Config
         job.calibrate(
             CameraJob(
                 settings=configuration.settings,
-                pictures=job.pictures.files(Kind.FIELD),
+                pictures=job.pictures.files(Shown.FIELD),
                 corners_px=corners,
                 finds=wanted.find,
                 height_m=wanted.height_m,
@@ -138,7 +138,7 @@ def _job_routes(router: APIRouter, job: CameraCalibration, configuration: Config
     @router.post("/lens", status_code=HTTPStatus.ACCEPTED)
     def measure() -> CalibrationReport:
         """Begins with the lens, by the pictures of a board; GET says how far it is."""
-        job.measure(LensJob(job.pictures.files(Kind.BOARD)))
+        job.measure(LensJob(job.pictures.files(Shown.BOARD)))
         return calibration_from(job, configuration.settings)
 
     @router.delete("")
@@ -158,7 +158,7 @@ def _end_routes(router: APIRouter, job: CameraCalibration, configuration: Config
         _check(result, "take the camera over")
         assert result is not None
         lens = {f"camera.pinhole.{key}": value for key, value in to_builtins(result.camera).items()}
-        count = len(job.pictures.of(Kind.FIELD))
+        count = len(job.pictures.of(Shown.FIELD))
         pictures = "one picture" if count == 1 else f"{count} pictures"
         what = f"camera calibrated by {pictures}: {result.rms_px:.2f} px"
         return _changed(configuration, request, {"camera.model": "pinhole", **lens}, what)

@@ -133,7 +133,6 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
         "obstacles",
         "watch",
         "follow",
-        "search",
         "diagnose",
         "web",
         "spare-1",

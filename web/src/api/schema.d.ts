@@ -2748,12 +2748,6 @@ export interface components {
          */
         JobState: "none" | "running" | "done" | "failed" | "cancelled";
         /**
-         * Kind
-         * @description What pictures show.
-         * @enum {string}
-         */
-        "Kind-Input": "field" | "board";
-        /**
          * LagSummary
          * @description One part of the lag over the last frames.
          */
@@ -3868,6 +3862,12 @@ export interface components {
              */
             waits_for_restart: string[];
         };
+        /**
+         * Shown
+         * @description What pictures show.
+         * @enum {string}
+         */
+        Shown: "field" | "board";
         /**
          * SourceReport
          * @description Where the images come from.
@@ -5101,7 +5101,7 @@ export interface operations {
     add_api_v1_calibration_pictures_post: {
         parameters: {
             query: {
-                of: components["schemas"]["Kind-Input"];
+                of: components["schemas"]["Shown"];
                 name: string;
             };
             header?: never;
@@ -5173,7 +5173,7 @@ export interface operations {
     clear_api_v1_calibration_pictures_delete: {
         parameters: {
             query: {
-                of: components["schemas"]["Kind-Input"];
+                of: components["schemas"]["Shown"];
             };
             header?: never;
             path?: never;
@@ -5240,7 +5240,7 @@ export interface operations {
     take_api_v1_calibration_pictures_camera_post: {
         parameters: {
             query: {
-                of: components["schemas"]["Kind-Input"];
+                of: components["schemas"]["Shown"];
             };
             header?: never;
             path?: never;
