@@ -139,7 +139,10 @@ def _refusals(result: LensCalibration, fitted: LensFit | None) -> Iterator[Reaso
         yield Reason(text, "Hold the board there too, up to the picture's border and beyond it.")
     if result.rms_px > max(MAX_RMS_PX, MAX_RMS * side):
         text = f"the board's corners lie {result.rms_px:.1f} px (rms) beside where one lens can see them"
-        yield Reason(text, "Lay the board flat, hold it still, and give whole pictures of one camera, neither scaled nor cropped.")
+        yield Reason(
+            text,
+            "Lay the board flat, hold it still, and give whole pictures of one camera, neither scaled nor cropped.",
+        )
     tested = [(one.held_out_px, one.name) for one in result.pictures if one.held_out_px is not None]
     if tested and max(tested)[0] > max(MAX_HELD_OUT_PX, MAX_HELD_OUT * side):
         text = f"the board in {max(tested)[1]} lies {max(tested)[0]:.1f} px beside where the lens of all others sees it"
