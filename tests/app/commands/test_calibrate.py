@@ -71,6 +71,21 @@ def test_save_edits_the_file_and_nothing_else(truth: tuple[Path, CameraModel], t
     assert venue.read_text().count("[camera.pinhole]") == 1
 
 
+def test_four_points_become_a_pinhole(truth: tuple[Path, CameraModel], tmp_path: Path) -> None:
+    picture, camera = truth
+    corners = np.array([[-1.4, 1.15], [1.4, 1.15], [1.4, -1.15], [-1.4, -1.15]])
+    pixels = (camera.pixel_from_field(corners) + 3.0).round(1).tolist()
+    points = [f"  {{ name = 'point {n}', pixel_px = {pixels[n]}, field_m = {corners[n].tolist()} }}," for n in range(4)]
+    text = ["[camera]", "width_px = 780", "height_px = 580", 'model = "homography"', "[camera.homography]"]
+    venue = tmp_path / "venue.toml"
+    venue.write_text("\n".join([*text, "position_m = [0.0, 0.0, 4.0]", "points = [", *points, "]", ""]))
+    result = run(picture, "--venue", venue, "--save")
+    assert result.exit_code == 0, result.output
+    settings = load_settings(str(venue))
+    assert settings.camera.model == "pinhole"
+    assert floor_error_m(settings.camera.pinhole, camera, settings.field) < 0.003
+
+
 def test_a_refusal_leaves_the_file_as_it_was(tmp_path: Path) -> None:
     venue, dark = tmp_path / "venue.toml", tmp_path / "dark.png"
     venue.write_text(VENUE)
