@@ -186,6 +186,20 @@ def test_with_a_measured_lens_the_lines_tell_the_height(views: list[View]) -> No
             assert floor_error_m(result.camera, shown.truth, field) < MAX_ERROR_M
 
 
+def test_with_a_measured_lens_fewer_lines_are_enough() -> None:
+    """A camera over a corner of the field, which sees less than half of it."""
+    shown = view(3, camera__pinhole__position_m=(1.5, 0.9, 4.0))
+    field, held = shown.settings.field, lens_of(shown)
+    start = start_from_lens(shown.start, (780, 580), held=held)
+    result = calibrate([shown.pixels], field, start, held=held)
+    assert result.accepted, result.reasons
+    assert result.coverage < 0.45
+    assert floor_error_m(result.camera, shown.truth, field) < 0.003
+    start = start_from_lens(shown.start, (780, 580), height_m=4.0)
+    said = " ".join(map(str, calibrate([shown.pixels], field, start, advises=False).reasons))
+    assert "of the field, 50% are needed" in said
+
+
 def test_a_measured_lens_that_the_tape_contradicts_is_refused(views: list[View]) -> None:
     shown, held = views[0], lens_of(views[0], focal=1.15)
     start = start_from_lens(shown.start, (780, 580), held=held, height_m=float(shown.truth.position_m[2]))

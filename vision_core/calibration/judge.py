@@ -22,7 +22,8 @@ DARK, BRIGHT = 40.0, 250.0
 """A picture whose brightest hundredth is darker, or of which half is brighter, shows no lines [grey levels]."""
 MIN_SIDE_PX = 64
 MIN_SAMPLES, MIN_LINES = 40, 4
-MIN_COVERAGE = 0.5
+MIN_COVERAGE, MIN_COVERAGE_HELD = 0.5, 0.3
+"""Least share of the field inside the hull of the lines: for any lens, and for one that was measured with a board."""
 MIN_ACROSS = 0.1
 """Least share of sections on lines along, and on lines across the field."""
 MIN_FOUND = 0.5
@@ -185,8 +186,9 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
     along = np.abs(measured.painted.across[measured.sections][:, 1]) > np.sqrt(0.5)
     if min(along.mean(), 1.0 - along.mean()) < MIN_ACROSS:
         yield Reason("nearly all of the lines that were found run in one direction", "Show lines in both directions.")
-    if result.coverage < MIN_COVERAGE:
-        text = f"the lines that were found span {result.coverage:.0%} of the field, {MIN_COVERAGE:.0%} are needed"
+    needed = MIN_COVERAGE if scene.held is None else MIN_COVERAGE_HELD
+    if result.coverage < needed:
+        text = f"the lines that were found span {result.coverage:.0%} of the field, {needed:.0%} are needed"
         yield Reason(text, "Move the camera so that it sees the whole field, or clear the lines.")
     share = sum(line.found * line.visible for line in visible) / sum(line.visible for line in visible)
     if share < MIN_FOUND:
