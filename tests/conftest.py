@@ -23,8 +23,8 @@ os.environ["PSLV_DATABASE"] = tempfile.mkdtemp(prefix="pslv-tests-")  # what is 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiling(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Compiles the service's kernels beside the first tests of a long run; a short run compiles what it uses."""
-    if request.session.testscollected < LONG_RUN:
+    """Compiles the service's kernels beside the first tests of a long run, once; a short run compiles what it uses."""
+    if request.session.testscollected < LONG_RUN or os.environ.get("PYTEST_XDIST_WORKER", "gw0") != "gw0":
         yield
         return
     command = [sys.executable, "-m", "app.main", "compile"]

@@ -3,6 +3,7 @@
 from vision_core.clock import after
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.live_colors import LiveColors
+from vision_core.pipeline.live_suggestions import SuggestedRobots
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
@@ -20,6 +21,7 @@ def start(handle: Handle) -> Step:
     perception = Perception(handle.settings, handle.camera)
     perception.warm_up()
     colors = LiveColors(perception, handle.reader(records.palette(camera)))
+    suggested = SuggestedRobots(perception, handle.reader(records.suggestions(camera)))
     images = Images(handle)
     writer = handle.writer(records.diagnosis(camera))
 
@@ -29,6 +31,7 @@ def start(handle: Handle) -> Step:
             return images.none_result
         deadline = after(handle.clock.now(), BUDGET_S)
         colors.refresh(handle.clock.now())
+        suggested.refresh(handle.clock.now())
         seen = perception.perceive(image, handle.clock).record()
         reasons = reasons_of(perception, seen, deadline=deadline, clock=handle.clock)
         writer.write(Diagnosis(camera, image.number, image.grabbed, reasons), image.grabbed, handle.clock.now())

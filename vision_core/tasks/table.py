@@ -76,14 +76,8 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield from _camera_tasks(settings, camera)
     palette = records.palette(camera).name
     suggestions = records.suggestions(camera).name
-    yield line(
-        "perceive",
-        frames,
-        [frames, palette, suggestions],
-        [sightings],
-        on_frame_path=True,
-        purpose="finds robots and ball",
-    )
+    seen_by = [frames, palette, suggestions]
+    yield line("perceive", frames, seen_by, [sightings], on_frame_path=True, purpose="finds robots and ball")
     yield line("follow", PERIOD, [frames], [palette], purpose="keeps the colors right in other light")
     yield line("search", PERIOD, [frames, palette], [suggestions], purpose="finds robots whose colors cannot be seen")
     yield line(
@@ -103,7 +97,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         watcher("colors", "checks the light"),
     )
     yield from watchers
-    yield line("diagnose", frames, [frames, palette], [diagnosis], purpose="explains why something is not seen")
+    yield line("diagnose", frames, seen_by, [diagnosis], purpose="explains why something is not seen")
     looks, overlay = records.LOOKING.name, records.overlay(camera).name
     yield line(
         "overlay", PERIOD, [frames, looks, palette], [overlay], purpose="draws what is found while somebody looks"
