@@ -19,7 +19,7 @@ from typing import Any
 from app.web.auth.people import People
 from vision_core.net.control import Attached, attach_to
 
-START_TIMEOUT_S = 180.0
+START_TIMEOUT_S = 290.0
 STOP_TIMEOUT_S = 10.0
 
 
