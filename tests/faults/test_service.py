@@ -148,7 +148,10 @@ def test_the_log_tells_what_every_process_says(service: RunningService) -> None:
     assert log_until(service, "ready", "?process=web")["process"] == "web"
     until_settled(service, spares=1)
     os.kill(service.pids()["diagnose"], signal.SIGKILL)
-    purposes = "explains why something is not seen, draws what is found while somebody looks"
+    purposes = (
+        "finds robots whose colors cannot be seen, explains why something is not seen, "
+        "draws what is found while somebody looks"
+    )
     ended = f"diagnose ({purposes}) ended with signal SIGKILL"
     assert log_until(service, ended, "?level=warning") == {"process": "supervisor", "level": "warning"}
     until_settled(service, spares=1)
