@@ -112,6 +112,8 @@ def test_the_search_finds_a_robot_that_stands_in_glare(perception: Perception) -
 
 def test_an_empty_field_suggests_nothing(perception: Perception) -> None:
     pixels = np.full(CAMERA.shape, PAINTS["carpet"], dtype=np.uint8)
-    found = perception.unseen_robots(ImageFrame("main", 1, Instant(0), pixels), ManualClock())
+    frame = ImageFrame("main", 1, Instant(0), pixels)
+    perception.perceive(frame, ManualClock())
+    found = perception.unseen_robots(frame, ManualClock())
     assert not len(found.poses)
     assert not (perception.robots["id"] != NO_ID).any()

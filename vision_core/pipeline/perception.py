@@ -235,14 +235,14 @@ class Perception:
         The next call overwrites the table.
         """
         self.perceive(frame, clock)
-        self.suggest(self.shape_search.suggest(self.pixels, self.robots))
-        seen = self._seen_in(frame, self.pixels, clock)
-        self.suggest(NOTHING)
-        return seen
+        self.unseen_robots(frame, clock)
+        return self._seen
 
     def unseen_robots(self, frame: ImageFrame, clock: Clock) -> Suggestions:
-        """The robots of a frame that its blobs do not show. It takes a fraction of a second."""
-        self.perceive(frame, clock)
+        """The robots of the frame that was perceived last that its blobs do not show, added to ``robots``.
+
+        It takes a fraction of a second.
+        """
         before = self.robots.copy()
         suggested = self.shape_search.suggest(self.pixels, before)
         self.suggest(suggested)
