@@ -1,0 +1,1 @@
+"""The on-board camera: geometry against equation 1, pictures against places."""
