@@ -130,8 +130,14 @@ def find_edges(luma: FloatImage, sections: Placed, reach_px: float, *, steps: bo
 def _profiles(luma: FloatImage, sections: Placed, offsets: Floats) -> Floats:
     """Mean brightness across sections, shape (n, len(offsets)); nan where a section leaves the picture."""
     places = sections.points_px[:, :, None] + sections.normals[:, None, None] * offsets[:, None]
+    profiles: Floats = sampled(luma, places).mean(axis=1)
+    return profiles
+
+
+def sampled(luma: FloatImage, places_px: Floats) -> Floats:
+    """Brightness at places between the pixels, bilinear: shape (..., 2) [px] -> (...); nan outside of the picture."""
     height, width = luma.shape
-    x, y = places[..., 0], places[..., 1]
+    x, y = places_px[..., 0], places_px[..., 1]
     with np.errstate(invalid="ignore"):
         inside = (x >= 0.0) & (y >= 0.0) & (x <= width - 1.0) & (y <= height - 1.0)
     x, y = np.where(inside, x, 0.0), np.where(inside, y, 0.0)
@@ -141,9 +147,8 @@ def _profiles(luma: FloatImage, sections: Placed, offsets: Floats) -> Floats:
     flat = luma.ravel()
     upper = flat[first] * (1.0 - dx) + flat[first + 1] * dx
     lower = flat[first + width] * (1.0 - dx) + flat[first + width + 1] * dx
-    profiles = (upper * (1.0 - dy) + lower * dy).mean(axis=1)
-    result: Floats = np.where(inside.all(axis=1), profiles, np.nan)
-    return result
+    values: Floats = np.where(inside, upper * (1.0 - dy) + lower * dy, np.nan)
+    return values
 
 
 def _brightest(profiles: Floats, half: Floats, offsets: Floats, reach_px: float) -> tuple[NDArray[np.intp], Floats]:

@@ -6,13 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.calibration.descent import descend
 from vision_core.calibration.lens import COUNT, Lens
 from vision_core.geometry import Floats
 
 STEPS = 12
-FIRST_DAMPING, LEAST_DAMPING, MAX_DAMPING = 1e-4, 1e-9, 1e6
-SETTLED = 1e-5
-"""A step that moves no parameter by more than this share of its prior's deviation is the last one."""
 LEAST_NOISE_PX = 0.05
 MEDIAN_PER_SIGMA = 0.6745
 
@@ -113,29 +111,40 @@ def fit(
     The loss is Cauchy's. noise_px: a usual distance; None: the distances' own robust deviation. trust: how much the
     sights count beside the prior: less than 1 where neighbours share their errors.
     """
-    damping = FIRST_DAMPING
-    noise = noise_px or _noise(sights.distances(lens))
-    loss = _loss(lens, sights, prior, noise, trust)
-    for _ in range(steps):
-        gradient, information = _normal_equations(lens, sights, prior, noise, trust)
-        while damping < MAX_DAMPING:
-            damped = information + damping * np.diag(np.diag(information) + 1.0)
-            step = -np.linalg.solve(damped, gradient)
-            moved = lens.moved(step * prior.deviations)
-            reached = _loss(moved, sights, prior, noise, trust)
-            if reached < loss:
-                break
-            damping *= 10.0
-        else:
-            break
-        lens, damping = moved, max(damping * 0.1, LEAST_DAMPING)
-        noise = noise_px or _noise(sights.distances(lens))
-        loss = _loss(lens, sights, prior, noise, trust)
-        if np.abs(step).max() < SETTLED:
-            break
-    distances = sights.distances(lens)
-    _, information = _normal_equations(lens, sights, prior, noise, trust)
-    return Fit(lens, _weights(distances, noise), noise, information)
+
+    def problem_at(near: Lens) -> _Problem:
+        return _Problem(sights, prior, noise_px or _noise(sights.distances(near)), trust)
+
+    found = descend(lens, problem_at, steps)
+    problem = problem_at(found)
+    _, information = problem.normal_equations(found)
+    return Fit(found, _weights(sights.distances(found), problem.noise_px), problem.noise_px, information)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Problem:
+    """Cauchy's loss of sights and prior, as ``descend`` wants it. A parameter's unit is its prior's deviation."""
+
+    sights: Sights
+    prior: Prior
+    noise_px: float
+    trust: float
+
+    def loss(self, lens: Lens) -> float:
+        squares = (self.sights.distances(lens) / (2.0 * self.noise_px)) ** 2
+        loss = self.trust * 4.0 * np.log1p(squares).sum() + (self.prior.distances(lens) ** 2).sum()
+        return float(loss) if np.isfinite(loss) and lens.focal_px > 0.0 and lens.position_m[2] > 0.0 else np.inf
+
+    def normal_equations(self, lens: Lens) -> tuple[Floats, Floats]:
+        distances = self.sights.distances(lens)
+        design = self.sights.design(lens) * self.prior.deviations / self.noise_px
+        weighted = self.trust * design * _weights(distances, self.noise_px)[:, None]
+        gradient = weighted.T @ (distances / self.noise_px) + self.prior.distances(lens)
+        information = weighted.T @ design + np.diag(self.prior.counts)
+        return gradient.reshape(COUNT), information
+
+    def moved(self, lens: Lens, step: Floats) -> Lens:
+        return lens.moved(step * self.prior.deviations)
 
 
 def _noise(distances: Floats) -> float:
@@ -149,19 +158,3 @@ def _noise(distances: Floats) -> float:
 def _weights(distances: Floats, noise_px: float) -> Floats:
     weights: Floats = 1.0 / (1.0 + (distances / (2.0 * noise_px)) ** 2)
     return weights
-
-
-def _loss(lens: Lens, sights: Sights, prior: Prior, noise_px: float, trust: float) -> float:
-    squares = (sights.distances(lens) / (2.0 * noise_px)) ** 2
-    loss = trust * 4.0 * np.log1p(squares).sum() + (prior.distances(lens) ** 2).sum()
-    return float(loss) if np.isfinite(loss) and lens.focal_px > 0.0 and lens.position_m[2] > 0.0 else np.inf
-
-
-def _normal_equations(lens: Lens, sights: Sights, prior: Prior, noise_px: float, trust: float) -> tuple[Floats, Floats]:
-    """Gradient, shape (17,), and information, shape (17, 17), in units of the prior's deviations."""
-    distances = sights.distances(lens)
-    design = sights.design(lens) * prior.deviations / noise_px
-    weighted = trust * design * _weights(distances, noise_px)[:, None]
-    gradient = weighted.T @ (distances / noise_px) + prior.distances(lens)
-    information = weighted.T @ design + np.diag(prior.counts)
-    return gradient.reshape(COUNT), information
