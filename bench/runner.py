@@ -15,8 +15,8 @@ from typing import Any
 Row = dict[str, Any]
 
 BENCHMARKS = (
-    *("accuracy", "calibration", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads", "scheduling"),
-    *("activation", "handover", "dashboards", "gc_pauses", "clients", "light", "faults"),
+    *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads"),
+    *("scheduling", "activation", "handover", "dashboards", "gc_pauses", "clients", "light", "faults"),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
 KEYS = ("name", "value", "unit", "baseline", "ratio", "goal", "met")

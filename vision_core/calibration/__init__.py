@@ -22,6 +22,7 @@ A field looks the same from both ends, and so it does in a mirror: lines do not 
 Nothing here guesses.
 
 Files, outside in: ``solve``, ``result``, ``moved``, ``judge``, ``certainty``, ``start``, ``find``, ``straight``,
-``align``, ``ridges``, ``profiles``, ``painted``, ``solver``, ``lens``, ``draw``; ``job`` for a process of its own.
+``align``, ``ridges``, ``profiles``, ``painted``, ``solver``, ``descent``, ``lens``, ``draw``; ``job`` for a process of
+its own. The rooms ``board`` (a lens) and ``mirror`` (the robots' mirror) have theories of their own.
 No file or device is opened here; a web page may call the same functions.
 """

@@ -94,7 +94,9 @@ class Mirror:
         return mm if isinstance(r_px, np.ndarray) else float(mm)
 
 
-def px_from_mm(r_mm: float | Floats, a: float, b: float, c: float, d: float) -> float | Floats:
+def px_from_mm(
+    r_mm: float | Floats, a: float | Floats, b: float | Floats, c: float | Floats, d: float | Floats
+) -> float | Floats:
     """f^-1: R [px] of r [mm]; d = a^2 - b^2 c. The only formula of it: ``mirror_kernels`` compiles this function."""
     return d * r_mm / (a + b * np.sqrt(c + d * (r_mm * r_mm)))
 

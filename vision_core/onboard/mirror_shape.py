@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vision_core.geometry import Floats
+from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import MM_PER_M, Mirror
 
 FOCI_SHARE = 0.3
@@ -35,16 +36,14 @@ class MirrorShape:
 
     @classmethod
     def from_mirror(cls, mirror: Mirror) -> "MirrorShape":
-        """f = sqrt(C), h = sqrt(C / D), cosh(u) = A h / f."""
-        f = math.sqrt(mirror.c)
-        h_mm = math.sqrt(mirror.c / mirror.d)
-        return cls(f, h_mm / MM_PER_M, math.asinh(mirror.b * h_mm))
+        """The shape of a mirror of equation 1."""
+        form = Hyperboloid.of(mirror)
+        return cls(form.focal_px, form.height_mm / MM_PER_M, form.bend)
 
     @property
     def mirror(self) -> Mirror:
-        """A = f cosh(u) / h, B = sinh(u) / h, C = f^2."""
-        h_mm = self.h_m * MM_PER_M
-        return Mirror(self.f_px * math.cosh(self.u) / h_mm, math.sinh(self.u) / h_mm, self.f_px**2)
+        """As equation 1 says it."""
+        return Hyperboloid(self.f_px, self.h_m * MM_PER_M, self.u).mirror()
 
     @property
     def c_m(self) -> float:

@@ -1,0 +1,230 @@
+"""A mirror through pairs of radius and distance: robust, in pixels, with a prior on the focal length.
+
+A, B and C are almost collinear where R is small against f, so (log h, log u, log f) are fitted, and f has a prior from
+the camera. Residuals are pixels through the inverse of equation 1: in millimetres they would explode near the horizon.
+
+Several first guesses of f; each gives A and B by the best line through two pairs (``lines``). From each
+Levenberg-Marquardt descends on the soft-L1 loss, and the best one counts. Pairs that miss it by much are left out,
+and the others are fitted by least squares, until no pair changes sides.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision_core.calibration.descent import descend
+from vision_core.calibration.mirror.lines import best_line
+from vision_core.calibration.mirror.pairs import Pairs
+from vision_core.geometry import Floats, Mask
+from vision_core.models.hyperboloid import Hyperboloid
+from vision_core.models.mirror import px_from_mm
+
+STARTS_PX = (150.0, 300.0, 600.0)
+"""First guesses of the focal length."""
+USUAL_FOCAL_PX, ANY_FOCAL, USUAL_FOCAL = 300.0, 0.7, 0.1
+"""The prior without a focal length, whose deviation is a factor of two, and the deviation of one without its own."""
+USUAL_HEIGHT_MM, USUAL_BEND = 220.0, 1.7
+"""Where no two pairs are a mirror."""
+STEPS, ROUNDS = 40, 8
+"""Steps of the descent; rounds of leaving pairs out."""
+OUTLIER_SIGMAS, OUTLIER_PX = 4.0, 1.0
+"""A pair that misses the curve by so many deviations, and by so much, does not count."""
+LEAST_NOISE_PX, CUT_NOISE_PX = 0.1, 0.2887
+"""Nobody measures better; 1/sqrt(12), that of radii that were cut to whole numbers."""
+MEDIAN_PER_SIGMA = 0.6745
+MAX_LOG = 30.0
+"""Of any parameter: beyond it the constants of equation 1 overflow."""
+PARAMETERS = 3
+"""log h, log u, log f."""
+
+
+@dataclass(frozen=True, slots=True)
+class FocalPrior:
+    """What is known of the focal length of the on-board camera, by its intrinsics or its maker."""
+
+    focal_px: float = USUAL_FOCAL_PX
+    share: float = ANY_FOCAL
+    """Standard deviation as a share of it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MirrorFit:
+    """A mirror that was fitted."""
+
+    logs: Floats
+    """log h, log u, log f; shape (3,)."""
+    kept: Mask
+    """Pairs that count, shape (n,)."""
+    off_px: Floats
+    """How much farther from the center each pair lies than the curve, shape (n,)."""
+    noise_px: float
+    """Standard deviation of the pairs that count."""
+    covariance: Floats
+    """Of log h, log u, log f; shape (3, 3)."""
+    condition: float
+    """Of the derivatives of the radii by log h, log u, log f, without the prior."""
+
+    @property
+    def shape(self) -> Hyperboloid:
+        """Focal length, height and bend."""
+        return _shape(self.logs)
+
+    def deviation_px(self, distances_mm: Floats) -> Floats:
+        """Standard deviation of the curve at distances on the floor, shape (n,) [mm] -> (n,) [px]."""
+        design = jacobian(self.logs, distances_mm)
+        deviation: Floats = np.sqrt(np.einsum("np,pq,nq->n", design, self.covariance, design).clip(min=0.0))
+        return deviation
+
+    def constants_covariance(self) -> Floats:
+        """Of A, B, C by the chain rule, shape (3, 3)."""
+        a, b, c = self.shape.constants
+        bend = self.shape.bend
+        chain = np.array(
+            [[-a, b * bend * self.shape.focal_px, a], [-b, a * bend / self.shape.focal_px, 0.0], [0, 0, 2 * c]]
+        )
+        covariance: Floats = chain @ self.covariance @ chain.T
+        return covariance
+
+
+def fit_mirror(pairs: Pairs, prior: FocalPrior) -> MirrorFit:
+    """The mirror that explains pairs, of which there are at least three; those that do not fit are left out."""
+    radii, distances = pairs.measured_px, pairs.distances_mm
+    least = CUT_NOISE_PX if pairs.are_cut else LEAST_NOISE_PX
+    everything = _Data(radii, distances, prior, least)
+    found = [_descended(everything, start) for start in (*STARTS_PX, prior.focal_px)]
+    common = min(everything.robust_noise_px(logs) for logs in found)
+    logs = min(found, key=lambda one: _Problem(everything, common, is_robust=True).loss(one))
+    noise = everything.robust_noise_px(logs)
+    kept = np.ones(len(pairs), dtype=bool)
+    for number in range(ROUNDS):
+        near = np.abs(everything.off_px(logs)) <= max(OUTLIER_SIGMAS * noise, OUTLIER_PX)
+        if near.sum() <= PARAMETERS or (number > 0 and (near == kept).all()):
+            break
+        kept, data = near, _Data(radii[near], distances[near], prior, least)
+        logs = _least_squares(data, logs, noise)
+        noise = data.noise_px(logs)
+    return _result(everything, logs, kept, noise)
+
+
+def jacobian(logs: Floats, distances_mm: Floats) -> Floats:
+    """Derivatives of the radii [px] by log h, log u, log f; shape (n,) [mm] -> (n, 3).
+
+    R = f r / q with q = h cosh(u) + sinh(u) sqrt(h^2 + r^2), which is the inverse of equation 1.
+    """
+    shape = _shape(logs)
+    height, bend = shape.height_mm, shape.bend
+    away = np.hypot(height, distances_mm)
+    q = height * np.cosh(bend) + np.sinh(bend) * away
+    radii = shape.focal_px * distances_mm / q
+    by_height = -radii * height * (np.cosh(bend) + np.sinh(bend) * height / away) / q
+    by_bend = -radii * bend * (height * np.sinh(bend) + np.cosh(bend) * away) / q
+    return np.stack([by_height, by_bend, radii], axis=-1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Data:
+    """What is fitted."""
+
+    radii_px: Floats
+    distances_mm: Floats
+    prior: FocalPrior
+    least_noise_px: float
+
+    def off_px(self, logs: Floats) -> Floats:
+        """Shape (n,)."""
+        return self.radii_px - radii_of(_shape(logs), self.distances_mm)
+
+    def robust_noise_px(self, logs: Floats) -> float:
+        """By the median, which outliers do not move."""
+        freedom = len(self.radii_px) / max(len(self.radii_px) - PARAMETERS, 1)
+        median = float(np.median(np.abs(self.off_px(logs))) * np.sqrt(freedom))
+        return max(median / MEDIAN_PER_SIGMA, self.least_noise_px)
+
+    def noise_px(self, logs: Floats) -> float:
+        """By the mean square."""
+        freedom = max(len(self.radii_px) - PARAMETERS, 1)
+        return max(float(np.sqrt((self.off_px(logs) ** 2).sum() / freedom)), self.least_noise_px)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Problem:
+    """Soft-L1 loss or squares of pairs, and the prior, as ``descend`` wants them."""
+
+    data: _Data
+    noise_px: float
+    is_robust: bool
+
+    def loss(self, logs: Floats) -> float:
+        if np.abs(logs).max() > MAX_LOG or logs[1] > np.log(MAX_LOG):
+            return np.inf
+        squares = (self.data.off_px(logs) / self.noise_px) ** 2
+        losses = 2.0 * (np.sqrt(1.0 + squares) - 1.0) if self.is_robust else squares
+        return float(losses.sum() + self._pull(logs) ** 2)
+
+    def normal_equations(self, logs: Floats) -> tuple[Floats, Floats]:
+        off = self.data.off_px(logs) / self.noise_px
+        design = jacobian(logs, self.data.distances_mm) / self.noise_px
+        weights = 1.0 / np.sqrt(1.0 + off**2) if self.is_robust else np.ones_like(off)
+        weighted = design * weights[:, None]
+        information = weighted.T @ design
+        gradient = -weighted.T @ off
+        gradient[2] += self._pull(logs) / self.data.prior.share
+        information[2, 2] += self.data.prior.share**-2
+        return gradient, information
+
+    def moved(self, logs: Floats, step: Floats) -> Floats:
+        return logs + step
+
+    def _pull(self, logs: Floats) -> float:
+        """Of the prior, in its deviations."""
+        return float(logs[2] - np.log(self.data.prior.focal_px)) / self.data.prior.share
+
+
+def radii_of(shape: Hyperboloid, distances_mm: Floats) -> Floats:
+    """f^-1 of distances on the floor, shape (n,) [mm] -> (n,) [px], of shapes that are no allowed mirrors too."""
+    scale = (shape.focal_px / shape.height_mm) ** 2
+    radii: Floats = np.asarray(px_from_mm(distances_mm, *shape.constants, scale))
+    return radii
+
+
+def _descended(data: _Data, focal_px: float) -> Floats:
+    """From a first guess of the focal length down the robust loss."""
+    line = best_line(data.radii_px, data.distances_mm, focal_px)
+    height, bend = USUAL_HEIGHT_MM, USUAL_BEND
+    if line is not None:
+        a, b = line
+        bend = float(np.arctanh(focal_px * b / a))
+        height = float(np.sinh(bend)) / b
+    start = np.log([height, bend, focal_px])
+
+    def problem_at(logs: Floats) -> _Problem:
+        return _Problem(data, data.robust_noise_px(logs), is_robust=True)
+
+    return descend(start, problem_at, STEPS)
+
+
+def _least_squares(data: _Data, logs: Floats, noise_px: float) -> Floats:
+    """Down the squares, from a state nearby."""
+    problem = _Problem(data, noise_px, is_robust=False)
+    return descend(logs, lambda _: problem, STEPS)
+
+
+def _result(data: _Data, logs: Floats, kept: Mask, noise_px: float) -> MirrorFit:
+    design = jacobian(logs, data.distances_mm[kept])
+    information = design.T @ design / noise_px**2
+    information[2, 2] += data.prior.share**-2
+    sizes = np.linalg.svd(design, compute_uv=False)
+    covariance = np.linalg.pinv(information, rcond=1e-15, hermitian=True)
+    return MirrorFit(
+        logs=logs,
+        kept=kept,
+        off_px=data.off_px(logs),
+        noise_px=noise_px,
+        covariance=np.asarray(covariance, dtype=np.float64),
+        condition=float(sizes[0] / max(sizes[-1], 1e-300)) if len(sizes) == PARAMETERS else np.inf,
+    )
+
+
+def _shape(logs: Floats) -> Hyperboloid:
+    height, bend, focal = (float(value) for value in np.exp(logs))
+    return Hyperboloid(focal, height, bend)
