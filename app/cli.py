@@ -16,6 +16,7 @@ from app.commands.colors import colors_app
 from app.commands.compile import compile_command
 from app.commands.config import config_app
 from app.commands.detect import detect
+from app.commands.onboard import onboard_app
 from app.commands.people import passwd, token
 from app.commands.restart import restart
 from app.commands.selftest import selftest
@@ -34,6 +35,7 @@ app.add_typer(venue_app, name="venue")
 app.add_typer(calibrate_app, name="calibrate")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
+app.add_typer(onboard_app, name="onboard")
 for command in (serve, tasks, top, restart, passwd, token, selftest, detect, evaluate.evaluate, bench, support_bundle):
     app.command()(command)
 app.command(context_settings=CONTEXT, add_help_option=False)(client)

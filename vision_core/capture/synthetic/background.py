@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -71,17 +72,17 @@ def _render_background(settings: Settings, camera: CameraSetup) -> Background:
     width, height = camera.size_px
     floor = _floor_points(camera.model, width, height)
     light = _light(settings.synthetic, floor[1:-1, 1:-1])
-    venue = _venue(settings)
-    lines, arcs = field_lines(settings.field)
+    venue = venue_of(settings)
+    lines, arcs = painted_lines(settings.field)
     image = np.empty((height, width, 3), dtype=np.float32)
     color_floor(
         image,
         floor,
         np.array(camera.model.position_m),
         venue,
-        np.array(lines).reshape(-1, 4),
-        np.array([(arc.x_m, arc.y_m, arc.radius_m, arc.start_rad, arc.end_rad) for arc in arcs]).reshape(-1, 5),
-        _clutter(settings, venue),
+        lines,
+        arcs,
+        clutter_of(settings, venue),
         COLORS,
     )
     pixels = (image * light[..., None] + 0.5).clip(0, 255).astype(np.uint8)
@@ -101,7 +102,15 @@ def _floor_points(camera: CameraModel, width: int, height: int) -> FloatImage:
     return floor
 
 
-def _venue(settings: Settings) -> Venue:
+def painted_lines(field: FieldSettings) -> tuple[Floats, Floats]:
+    """The field's lines x1, y1, x2, y2, shape (n, 4), and arcs x, y, radius, start, end, shape (m, 5)."""
+    lines, arcs = field_lines(field)
+    rows = [(arc.x_m, arc.y_m, arc.radius_m, arc.start_rad, arc.end_rad) for arc in arcs]
+    return np.array(lines).reshape(-1, 4), np.array(rows).reshape(-1, 5)
+
+
+def venue_of(settings: Settings) -> Venue:
+    """Dimensions of field, walls and goals, for the kernels."""
     field = settings.field
     half_x, half_y = accepted_half_extent(field)
     margin = 0.0 if field.walls else CARPET_MARGIN_M
@@ -128,14 +137,17 @@ def _light(synthetic: SyntheticSettings, floor: FloatImage) -> FloatImage:
     v, u = np.mgrid[0:height, 0:width]
     radius2 = ((u - (width - 1) / 2.0) ** 2 + (v - (height - 1) / 2.0) ** 2) / ((width**2 + height**2) / 4.0)
     point = np.nan_to_num(floor)
-    lamps = np.sin(point[..., 0] / LAMP_HALF_PERIOD_M * math.pi + 0.8) * np.cos(
-        point[..., 1] / LAMP_HALF_PERIOD_M * math.pi - 0.6
-    )
+    lamps = lamp_light(point[..., 0], point[..., 1])
     lens = synthetic.brightness * (1.0 - synthetic.vignetting * radius2)
     return np.asarray(lens * (1.0 + 0.5 * synthetic.uneven_light * lamps), dtype=np.float32)
 
 
-def _clutter(settings: Settings, venue: Venue) -> Floats:
+def lamp_light(x: Any, y: Any) -> Any:
+    """How much brighter, -1..1, the lamps make a point x, y of the floor [m]; numbers or arrays."""
+    return np.sin(x / LAMP_HALF_PERIOD_M * math.pi + 0.8) * np.cos(y / LAMP_HALF_PERIOD_M * math.pi - 0.6)
+
+
+def clutter_of(settings: Settings, venue: Venue) -> Floats:
     """Bags, cups, cables and dots in the markers' colors on the floor beside the field; shape (k, 10)."""
     if not settings.synthetic.clutter:
         return np.empty((0, CLUTTER_COLUMNS))

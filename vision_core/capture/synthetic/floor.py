@@ -94,7 +94,7 @@ def color_floor(
             x, y = floor[v + 1, u + 1]
             ux, uy = (floor[v + 1, u + 2] - floor[v + 1, u]) * 0.5
             vx, vy = (floor[v + 2, u + 1] - floor[v, u + 1]) * 0.5
-            _shade(shade, venue, x, y)
+            shade_materials(shade, venue, x, y)
             size = FOOTPRINT_PX * (abs(ux) + abs(uy) + abs(vx) + abs(vy))
             # most pixels show carpet only: one ray is enough
             if _is_plain_carpet(venue, x, y, size, lines, arcs):
@@ -141,13 +141,16 @@ def _color_ray(
     lines: Floats, arcs: Floats, clutter: Floats, colors: Floats, shade: Floats,
 ) -> None:  # fmt: skip
     """The color of the ray that would meet the floor at x, y."""
-    # color of the material
     material = _material(venue, eye, x, y, lines, arcs)
     for channel in range(3):
         color[channel] = colors[material, channel] * shade[material]
-    if material != WOOD:
-        return
-    # clutter lies only on the wooden floor; later items cover earlier ones
+    if material == WOOD:
+        color_clutter(color, x, y, clutter)
+
+
+@kernel
+def color_clutter(color: Floats, x: float, y: float, clutter: Floats) -> None:
+    """Replace the color of a point of the wooden floor by that of the clutter on it; later items cover earlier ones."""
     for i in range(len(clutter)):
         dx, dy = x - clutter[i, 1], y - clutter[i, 2]
         along = clutter[i, 3] * dx + clutter[i, 4] * dy
@@ -179,7 +182,13 @@ def _material(venue: Venue, eye: Floats, x: float, y: float, lines: Floats, arcs
                 return BOARD_TOP if depth == 0 else BOARD_FACE
             if solid != NOTHING:
                 return BOARD_TOP if depth == 0 else (NET_LEFT if solid == GOAL_LEFT else NET_RIGHT)
-    # the floor
+    return floor_material(venue, x, y, lines, arcs)
+
+
+@kernel
+def floor_material(venue: Venue, x: float, y: float, lines: Floats, arcs: Floats) -> int:
+    """The material of a point of the floor: CARPET, LINE or WOOD."""
+    ax, ay = abs(x), abs(y)
     if ax > venue.carpet_x or ay > venue.carpet_y:
         in_goal = ax < venue.goal_x + venue.goal_depth and ay < venue.goal_half
         return CARPET if in_goal else WOOD
@@ -224,7 +233,7 @@ def _on_line(half: float, x: float, y: float, lines: Floats, arcs: Floats) -> bo
 
 
 @kernel
-def _shade(shade: Floats, venue: Venue, x: float, y: float) -> None:
+def shade_materials(shade: Floats, venue: Venue, x: float, y: float) -> None:
     """Fill shade with a factor per material at a point: texture of carpet and wood, shadows of the walls."""
     shade[:] = 1.0
     shade[CARPET] += 0.05 * mottle(x, y, 0.007, 1) + 0.05 * mottle(x, y, 0.03, 2) + 0.05 * mottle(x, y, 0.4, 3)

@@ -50,23 +50,23 @@ class Renderer:
         self._noise = SensorNoise(settings.synthetic, self._background.pixels.size)
         exposure_s = settings.synthetic.exposure_ms * 1e-3
         self._half_exposure_s = 0.5 * exposure_s
-        self._samples = _samples(exposure_s)
+        self._samples = exposure_samples(exposure_s)
         self._shadows = settings.synthetic.shadows
         self._ball_radius_m = settings.ball.radius_m
-        self._ball_color = np.array(_paint_bgr(settings.ball.color, "ball.color"), dtype=np.float64)
+        self._ball_color = np.array(paint_bgr(settings.ball.color, "ball.color"), dtype=np.float64)
         patterns = {team: worn_patterns(settings.robots, team) for team in Team}
-        self._robot_prisms = [_robot_prism(settings, patterns[team], team, worn_id) for team, worn_id in markers]
+        self._robot_prisms = [robot_prism(settings, patterns[team], team, worn_id) for team, worn_id in markers]
 
     def draw(self, pixels: Bytes, scene: Snapshot) -> None:
         """Fill pixels, shape (height, width, 3), with the image of a scene."""
         background = self._background
         # all bodies: feet, robots, the ball last; their prisms and dimensions
         np.copyto(pixels, background.pixels)
-        feet, foot_prisms = _prisms_of_feet(scene.feet)
+        feet, foot_prisms = prisms_of_feet(scene.feet)
         bodies = np.concatenate([feet, scene.robots, scene.ball[None]])
         prisms = [*foot_prisms, *self._robot_prisms]
         ball = len(prisms)
-        radii = np.array([*(_outer_radius_m(prism) for prism in prisms), self._ball_radius_m])
+        radii = np.array([*(outer_radius_m(prism) for prism in prisms), self._ball_radius_m])
         heights = np.array([*(prism.height for prism in prisms), 2.0 * self._ball_radius_m])
         reach = radii + self._half_exposure_s * np.hypot(bodies[:, 3], bodies[:, 4])
         # windows of bodies and shadows; a tip is where the shadow of the body's top falls
@@ -120,7 +120,7 @@ class Renderer:
         return boxes[0], boxes[1]
 
 
-def _samples(exposure_s: float) -> Floats:
+def exposure_samples(exposure_s: float) -> Floats:
     """Offsets of a pixel's 16 rays in the image and in time, shape (16, 3) [px, px, s]."""
     side = FOOTPRINT_PX * ((np.arange(GRID) + 0.5) / GRID - 0.5)
     v, u = np.meshgrid(side, side, indexing="ij")
@@ -128,7 +128,7 @@ def _samples(exposure_s: float) -> Floats:
     return np.column_stack([u.ravel(), v.ravel(), times.ravel()])
 
 
-def _robot_prism(settings: Settings, patterns: tuple[Pattern, ...], team: Team, worn_id: int) -> Prism:
+def robot_prism(settings: Settings, patterns: tuple[Pattern, ...], team: Team, worn_id: int) -> Prism:
     """The prism of a robot: its body with the patches of its marker."""
     if (pattern := pattern_with_id(patterns, worn_id)) is None:
         raise SourceError(
@@ -137,7 +137,7 @@ def _robot_prism(settings: Settings, patterns: tuple[Pattern, ...], team: Team, 
             accepted=", ".join(key for pattern in patterns for key in pattern.code.ids),
         )
     colors = pattern.colors_worn(team, worn_id)
-    paints = [PLATE_BGR, BODY_BGR, *(_paint_bgr(color, f"pattern {pattern.name}") for color in colors)]
+    paints = [PLATE_BGR, BODY_BGR, *(paint_bgr(color, f"pattern {pattern.name}") for color in colors)]
     patches, corners = _patches(pattern.layout(worn_id))
     shape = robots_of(settings.robots, team)
     square = shape.outline == "square"
@@ -163,12 +163,12 @@ def _patches(worn: Iterable[Patch]) -> tuple[Floats, Floats]:
     return np.array(rows, dtype=np.float64), np.array(corners, dtype=np.float64).reshape(-1, 2)
 
 
-def _outer_radius_m(prism: Prism) -> float:
+def outer_radius_m(prism: Prism) -> float:
     """Radius of the circle round a body."""
     return prism.radius * (math.sqrt(2.0) if prism.square else 1.0)
 
 
-def _paint_bgr(name: str, asked: str) -> tuple[int, int, int]:
+def paint_bgr(name: str, asked: str) -> tuple[int, int, int]:
     """The color of a paint; asked: what it is for. Raises SourceError when there is no such paint."""
     if name not in PAINTS_BGR:
         raise SourceError(f"synthetic: paint for {asked}", found=name, accepted=", ".join(PAINTS_BGR))
@@ -189,7 +189,7 @@ FOOT_PARTS = (
 """A foot is a shoe, made of four discs, and the leg above: how far forward each part lies [m], and its prism."""
 
 
-def _prisms_of_feet(feet: Floats) -> tuple[Floats, list[Prism]]:
+def prisms_of_feet(feet: Floats) -> tuple[Floats, list[Prism]]:
     """Bodies of all parts of m feet, shape (5 m, 6), and their prisms."""
     parts = no_bodies(len(feet) * len(FOOT_PARTS))
     prisms = []

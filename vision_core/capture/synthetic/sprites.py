@@ -49,19 +49,27 @@ def draw_shadow(
 ) -> None:  # fmt: skip
     """Darken the floor that a disc with a soft rim covers as it moves from base to tip, shape (2,) each [m]."""
     ax, ay = tip[0] - base[0], tip[1] - base[1]
-    length_squared = max(ax * ax + ay * ay, 1e-12)
     for v in range(window[1], window[3]):
         for u in range(window[0], window[2]):
             dx, dy = floor[v + 1, u + 1, 0] - base[0], floor[v + 1, u + 1, 1] - base[1]
-            share = min(max((dx * ax + dy * ay) / length_squared, 0.0), 1.0)
-            dx, dy = dx - share * ax, dy - share * ay
-            depth = (radius + softness - math.sqrt(dx * dx + dy * dy)) / (2.0 * softness)
+            depth = shadow_depth(dx, dy, ax, ay, radius, softness)
             if not depth > 0.0:
                 continue
-            depth = min(depth, 1.0)
-            kept = 1.0 - darkness * depth * depth * (3.0 - 2.0 * depth)
+            kept = 1.0 - darkness * depth
             for channel in range(3):
                 pixels[v, u, channel] = np.uint8(pixels[v, u, channel] * kept + 0.5)
+
+
+@kernel
+def shadow_depth(dx: float, dy: float, ax: float, ay: float, radius: float, softness: float) -> float:
+    """How deep in a shadow, 0..1, a point of the floor lies; (dx, dy) from the base, whose tip is at (ax, ay) [m]."""
+    share = min(max((dx * ax + dy * ay) / max(ax * ax + ay * ay, 1e-12), 0.0), 1.0)
+    dx, dy = dx - share * ax, dy - share * ay
+    depth = (radius + softness - math.sqrt(dx * dx + dy * dy)) / (2.0 * softness)
+    if not depth > 0.0:
+        return 0.0
+    depth = min(depth, 1.0)
+    return depth * depth * (3.0 - 2.0 * depth)
 
 
 @kernel
@@ -144,7 +152,7 @@ def _material(x: float, y: float, pose: Floats, eye: Floats, height_ratio: float
     # it meets the top, nothing, or a side
     radius, front, square = prism.radius, prism.front, prism.square
     if _on_top(tx, ty, radius - margin, front - margin, square):
-        return _patch_at(tx, ty, prism.patches, prism.corners, margin)
+        return patch_at(tx, ty, prism.patches, prism.corners, margin)
     if not meets_body(px, py, tx, ty, radius + margin, front + margin, square):
         return NOTHING
     if margin > 0.0 and (
@@ -164,7 +172,7 @@ def _on_top(x: float, y: float, radius: float, front: float, square: bool) -> bo
 
 
 @kernel
-def _patch_at(x: float, y: float, patches: Floats, corners: Floats, margin: float) -> int:
+def patch_at(x: float, y: float, patches: Floats, corners: Floats, margin: float) -> int:
     """Material at a point of the top: its patch, TOP when it has none, EDGE when a margin might change the answer.
 
     Later patches lie over earlier ones.
@@ -267,12 +275,19 @@ def draw_ball(
                 t = -(b + math.sqrt(discriminant)) / a
                 # cosine between the normal at that point and the light
                 cosine = ((ox + t * dx) * LIGHT_X + (oy + t * dy) * LIGHT_Y + (oz + t * dz) * LIGHT_Z) / radius
+                factor, gloss = shade_ball(cosine)
                 covered += weight
-                brightness += weight * (AMBIENT + DIFFUSE * max(cosine, 0.0))
-                highlight += weight * HIGHLIGHT * max(cosine, 0.0) ** GLOSS
+                brightness += weight * factor
+                highlight += weight * gloss
             if covered > 0.0:
                 bgr = color * brightness + highlight
                 _blend(pixels, u, v, light[v, u], bgr[0], bgr[1], bgr[2], covered)
+
+
+@kernel
+def shade_ball(cosine: float) -> tuple[float, float]:
+    """Factor and highlight [grey levels] of a ball's color, by the cosine between its normal and the light (Phong)."""
+    return AMBIENT + DIFFUSE * max(cosine, 0.0), HIGHLIGHT * max(cosine, 0.0) ** GLOSS
 
 
 @kernel

@@ -79,7 +79,7 @@ def visible_share(scene: Snapshot, camera: CameraSetup, settings: Settings, shap
     """
     if shapes is None:
         shapes = _shapes([(Team.BLUE, 0)] * len(scene.robots), settings)
-    points = _disc(scene.ball, settings.ball.radius_m, camera.model.position_m)
+    points = disc_points(scene.ball, settings.ball.radius_m, camera.model.position_m)
     inside = _in_image(camera.model.pixel_from_field(points[:, :2], points[:, 2]), camera)
     clear = clear_points(points, np.array(camera.model.position_m), scene.robots, shapes)
     return float((inside & clear).mean())
@@ -108,7 +108,7 @@ def clear_points(points: Floats, eye: Floats, robots: Floats, shapes: Floats) ->
     return clear
 
 
-def _disc(ball: Floats, radius_m: float, eye: Floats) -> Floats:
+def disc_points(ball: Floats, radius_m: float, eye: Floats) -> Floats:
     """Points of equal area on the ball's disc perpendicular to the line of sight, shape (n, 3)."""
     center = np.array([ball[0], ball[1], radius_m])
     sight = eye - center
