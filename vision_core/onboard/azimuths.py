@@ -34,6 +34,16 @@ def places_of(solids: Table, viewer: Floats, times: Floats) -> Floats:
 
 
 @kernel
+def shapes_of(solids: Table) -> Floats:
+    """Whether it is round, half length, half width, front, bottom and top of every solid, shape (n, 6)."""
+    shapes = np.empty((len(solids), 6))
+    for i in range(len(solids)):
+        shapes[i, 0], shapes[i, 1], shapes[i, 2] = solids[i].round, solids[i].half_length_m, solids[i].half_width_m
+        shapes[i, 3], shapes[i, 4], shapes[i, 5] = solids[i].front_m, solids[i].bottom_m, solids[i].top_m
+    return shapes
+
+
+@kernel
 def azimuths_of(solids: Table, places: Floats) -> Floats:
     """The azimuths that every solid covers at any of the times: bearing, lowest and highest from it, shape (n, 3)."""
     azimuths = np.zeros((len(solids), 3))

@@ -7,6 +7,7 @@ t (dx, dy), at the height eye + t dz.
 import math
 from typing import TypeAlias
 
+from vision_core.geometry import Floats
 from vision_core.native.kernels import kernel
 
 Point: TypeAlias = tuple[float, float, float]
@@ -20,18 +21,14 @@ MISSED, ON_TOP, ON_SIDE, BELOW = range(4)
 
 @kernel
 def hit_prism(
-    round_: bool, length: float, width: float, front: float, bottom: float, top: float, eye: float,
-    ox: float, oy: float, dx: float, dy: float, dz: float,
+    shapes: Floats, i: int, eye: float, ox: float, oy: float, dx: float, dy: float, dz: float
 ) -> tuple[float, int, float, float]:  # fmt: skip
     """t of the entry, the face, and the side's normal there, in the prism's space; inf and MISSED for a miss.
 
-    round_: a disc of radius length, cut flat at x = front; else a rectangle of half sides length and width. A viewpoint
-    inside the prism sees nothing of it.
+    shapes: as of ``azimuths.shapes_of``; i: the prism's row. A viewpoint inside the prism sees nothing of it.
     """
-    enter, leave, nx, ny = (
-        disc_interval(length, front, ox, oy, dx, dy) if round_ else box_interval(length, width, ox, oy, dx, dy)
-    )
-    face = ON_SIDE
+    enter, leave, nx, ny = outline_interval(shapes, i, ox, oy, dx, dy)
+    bottom, top, face = shapes[i, 4], shapes[i, 5], ON_SIDE
     if dz != 0.0:
         first, last = (top - eye) / dz, (bottom - eye) / dz
         if dz > 0.0:
@@ -47,13 +44,23 @@ def hit_prism(
 
 
 @kernel
-def disc_interval(
-    radius: float, front: float, ox: float, oy: float, dx: float, dy: float
+def outline_interval(
+    shapes: Floats, i: int, ox: float, oy: float, dx: float, dy: float
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Where a line on the floor enters and leaves a disc cut flat at x = front, and the normal where it enters.
+    """Where a line on the floor enters and leaves a prism's outline, and the normal where it enters.
 
     A miss has an entry of inf and a leaving of -inf.
     """
+    if shapes[i, 0]:
+        return disc_interval(shapes[i, 1], shapes[i, 3], ox, oy, dx, dy)
+    return box_interval(shapes[i, 1], shapes[i, 2], ox, oy, dx, dy)
+
+
+@kernel
+def disc_interval(
+    radius: float, front: float, ox: float, oy: float, dx: float, dy: float
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """The same for a disc cut flat at x = front."""
     a, b, c = dx * dx + dy * dy, ox * dx + oy * dy, ox * ox + oy * oy - radius * radius
     if a == 0.0:
         inside = c < 0.0 and ox < front

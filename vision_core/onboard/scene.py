@@ -15,7 +15,7 @@ import numpy as np
 
 from vision_core.capture.synthetic.background import clutter_of, painted_lines, venue_of
 from vision_core.capture.synthetic.floor import COLORS, Venue
-from vision_core.capture.synthetic.physics import no_bodies
+from vision_core.capture.synthetic.physics import VX, VY, X, Y, no_bodies
 from vision_core.capture.synthetic.render import BODY_BGR, PLATE_BGR, paint_bgr, prisms_of_feet, robot_prism
 from vision_core.capture.synthetic.sprites import Prism
 from vision_core.capture.synthetic.world import Snapshot
@@ -61,6 +61,17 @@ class Ground(NamedTuple):
     uneven_light: float
 
 
+class Papers(NamedTuple):
+    """The patches on the tops of all solids."""
+
+    patches: Floats
+    """As in ``Prism``, shape (p, 5)."""
+    bgr: Floats
+    """Shape (p, 3)."""
+    corners: Floats
+    """Shape (c, 2)."""
+
+
 class Scene(NamedTuple):
     """Everything that the rays of one picture can meet."""
 
@@ -70,14 +81,11 @@ class Scene(NamedTuple):
     """Of the viewpoint over the floor."""
     solids: Table
     """SOLID, shape (n,)."""
-    patches: Floats
-    """As in ``Prism``, of all robots, shape (p, 5)."""
-    patch_bgr: Floats
-    """Shape (p, 3)."""
-    corners: Floats
-    """Of all patches, shape (c, 2)."""
+    papers: Papers
     ball: Floats
     """x, y, vx, vy, radius [m, m/s], blue, green, red; shape (8,)."""
+    shadow_casters: Floats
+    """Robots and ball: x, y, vx, vy, radius, height; shape (m, 6)."""
     ground: Ground
     own_parts: int
     """How many solids, the first ones, are the viewer's own."""
@@ -103,6 +111,8 @@ class SceneMaker:
         self._kinds = [_kind_of(settings, team, marker) for team, marker in worn]
         self._bands = [paint_bgr(str(team), f"band of {team}") for team, _ in worn]
         self._own_prisms = _own_body(self._prisms[own], shape)
+        standing = [self._own_prisms[0] if place == own else prism for place, prism in enumerate(self._prisms)]
+        self._robot_sizes = [(prism.radius, prism.height) for prism in standing]
         self.own_radius_m = self._prisms[own].radius
         """Of the viewer's outline, or half the side of a square one."""
 
@@ -113,7 +123,6 @@ class SceneMaker:
         for place, prism in enumerate(self._own_prisms):
             solids.append(prism_solid(prism, viewer, EdgeKind.NOTHING))
             solids[-1]["bottom_m"] = self._own_prisms[place - 1].height if place else 0.0
-            solids[-1]["casts_shadow"] = place == 0
         for place, body in enumerate(snapshot.robots):
             if place != self._own:
                 prisms.append(self._prisms[place])
@@ -121,7 +130,7 @@ class SceneMaker:
         bodies, foot_prisms = prisms_of_feet(snapshot.feet)
         feet = [prism_solid(prism, body, EdgeKind.UNKNOWN) for prism, body in zip(foot_prisms, bodies, strict=True)]
         table = np.concatenate([*solids, *feet, self._boards])
-        patches, patch_bgr, corners = _joined_patches(prisms, table)
+        papers = _papers(prisms, table)
         ball = self._settings.ball
         color = paint_bgr(ball.color, "ball.color")
         x, y, _, vx, vy, _ = snapshot.ball
@@ -129,10 +138,14 @@ class SceneMaker:
             viewer=viewer.copy(),
             height_m=self._height_m,
             solids=table,
-            patches=patches,
-            patch_bgr=patch_bgr,
-            corners=corners,
+            papers=papers,
             ball=np.array([x, y, vx, vy, ball.radius_m, *color]),
+            shadow_casters=np.column_stack(
+                [
+                    np.vstack([snapshot.robots, snapshot.ball])[:, [X, Y, VX, VY]],
+                    [*self._robot_sizes, (ball.radius_m, 2.0 * ball.radius_m)],
+                ]
+            ),
             ground=self._ground,
             own_parts=len(self._own_prisms),
         )
@@ -141,7 +154,7 @@ class SceneMaker:
         prism = self._prisms[place]
         solid = prism_solid(prism, body, self._kinds[place])
         solid["band_low_m"], solid["band_high_m"] = BAND[0] * prism.height, BAND[1] * prism.height
-        solid["band_bgr"], solid["casts_shadow"] = self._bands[place], 1
+        solid["band_bgr"] = self._bands[place]
         return solid
 
 
@@ -170,8 +183,8 @@ def _kind_of(settings: Settings, team: Team, marker: int) -> int:
     return FIRST_KIND[team] + (ids.index(marker) + 1 if marker in ids else 0)
 
 
-def _joined_patches(prisms: list[Prism], solids: Table) -> tuple[Floats, Floats, Floats]:
-    """Patches, their colors and corners of all prisms; fills in which of them each of the first solids has."""
+def _papers(prisms: list[Prism], solids: Table) -> Papers:
+    """The patches of all prisms; fills in which of them each of the first solids has."""
     patches, colors, corners = [np.empty((0, 5))], [np.empty((0, 3))], [np.empty((0, 2))]
     first = first_corner = 0
     for row, prism in zip(solids, prisms, strict=False):
@@ -182,7 +195,7 @@ def _joined_patches(prisms: list[Prism], solids: Table) -> tuple[Floats, Floats,
         colors.append(prism.colors[2:])
         corners.append(prism.corners)
         first, first_corner = first + len(own), first_corner + len(prism.corners)
-    return np.concatenate(patches), np.concatenate(colors), np.concatenate(corners)
+    return Papers(np.concatenate(patches), np.concatenate(colors), np.concatenate(corners))
 
 
 def _ground(settings: Settings, venue: Venue) -> Ground:

@@ -22,7 +22,7 @@ SOLID = np.dtype(
         ("vx_m_s", np.float64), ("vy_m_s", np.float64), ("turn_rad_s", np.float64),
         ("round", np.int32), ("half_length_m", np.float64), ("half_width_m", np.float64), ("front_m", np.float64),
         ("bottom_m", np.float64), ("top_m", np.float64), ("band_low_m", np.float64), ("band_high_m", np.float64),
-        ("first_patch", np.int32), ("end_patch", np.int32), ("kind", np.int32), ("casts_shadow", np.int32),
+        ("first_patch", np.int32), ("end_patch", np.int32), ("kind", np.int32),
         ("top_bgr", np.float64, 3), ("side_bgr", np.float64, 3), ("band_bgr", np.float64, 3),
     ]
 )  # fmt: skip

@@ -14,8 +14,8 @@ from vision_core.capture.synthetic.truth import disc_points
 from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.mirror import MM_PER_M
 from vision_core.native.kernels import kernel
-from vision_core.onboard.azimuths import places_of
-from vision_core.onboard.prism_rays import TIE_M, box_interval, disc_interval, hit_prism
+from vision_core.onboard.azimuths import places_of, shapes_of
+from vision_core.onboard.prism_rays import TIE_M, box_interval, hit_prism, outline_interval
 from vision_core.onboard.scene import Scene
 from vision_core.types.edges import EdgeKind
 
@@ -60,7 +60,7 @@ def first_solids(scene: Scene, directions_deg: Floats) -> FirstSolids:
 @kernel
 def _first_solids(table: Floats, scene: Scene, cosines: Floats, sines: Floats) -> None:
     """Fill in FOOT, FACE_END, CLEAR [m], SOLID_NUMBER and KIND of every direction."""
-    places = places_of(scene.solids, scene.viewer, np.zeros(1))[0]
+    places, shapes = places_of(scene.solids, scene.viewer, np.zeros(1))[0], shapes_of(scene.solids)
     for k in range(len(cosines)):
         row = table[k]
         row[FOOT], row[FACE_END], row[CLEAR], row[SOLID_NUMBER], row[KIND] = math.inf, math.inf, math.inf, -1.0, 0.0
@@ -68,11 +68,7 @@ def _first_solids(table: Floats, scene: Scene, cosines: Floats, sines: Floats) -
             solid = scene.solids[i]
             ox, oy, c, s = places[i, 0], places[i, 1], places[i, 2], places[i, 3]
             dx, dy = c * cosines[k] - s * sines[k], s * cosines[k] + c * sines[k]
-            enter, leave, _, _ = (
-                disc_interval(solid.half_length_m, solid.front_m, ox, oy, dx, dy)
-                if solid.round
-                else box_interval(solid.half_length_m, solid.half_width_m, ox, oy, dx, dy)
-            )
+            enter, leave, _, _ = outline_interval(shapes, i, ox, oy, dx, dy)
             if 0.0 < enter < leave and enter < row[FOOT] - TIE_M:
                 low = solid.top_m < scene.height_m
                 stretch = scene.height_m / (scene.height_m - solid.top_m) if low else math.inf
@@ -109,18 +105,14 @@ def ball_share(scene: Scene) -> float:
 @kernel
 def _clear_share(scene: Scene, points: Floats) -> float:
     """The share of points, given from the viewpoint in robot space, shape (n, 3), that no solid hides."""
-    places = places_of(scene.solids, scene.viewer, np.zeros(1))[0]
+    places, shapes = places_of(scene.solids, scene.viewer, np.zeros(1))[0], shapes_of(scene.solids)
     clear = 0
     for k in range(len(points)):
         hidden = False
         for i in range(len(scene.solids)):
-            solid = scene.solids[i]
             ox, oy, c, s = places[i, 0], places[i, 1], places[i, 2], places[i, 3]
             dx, dy = c * points[k, 0] - s * points[k, 1], s * points[k, 0] + c * points[k, 1]
-            t, _, _, _ = hit_prism(
-                solid.round != 0, solid.half_length_m, solid.half_width_m, solid.front_m, solid.bottom_m, solid.top_m,
-                scene.height_m, ox, oy, dx, dy, points[k, 2],
-            )  # fmt: skip
+            t, _, _, _ = hit_prism(shapes, i, scene.height_m, ox, oy, dx, dy, points[k, 2])
             hidden = hidden or t < 1.0
         clear += 0 if hidden else 1
     return clear / len(points)

@@ -217,7 +217,12 @@ def solid_at(venue: Venue, x: float, y: float) -> int:
 @kernel
 def _on_line(half: float, x: float, y: float, lines: Floats, arcs: Floats) -> bool:
     """Is a point within half a line's width of a line or arc?"""
+    margin = 1.5 * half  # of the box round a line in any direction; most points lie outside of most boxes
     for i in range(len(lines)):
+        if x < min(lines[i, 0], lines[i, 2]) - margin or x > max(lines[i, 0], lines[i, 2]) + margin:
+            continue
+        if y < min(lines[i, 1], lines[i, 3]) - margin or y > max(lines[i, 1], lines[i, 3]) + margin:
+            continue
         dx, dy = lines[i, 2] - lines[i, 0], lines[i, 3] - lines[i, 1]
         length = math.hypot(dx, dy)
         px, py = x - lines[i, 0], y - lines[i, 1]
@@ -226,9 +231,10 @@ def _on_line(half: float, x: float, y: float, lines: Floats, arcs: Floats) -> bo
             return True
     for i in range(len(arcs)):
         dx, dy = x - arcs[i, 0], y - arcs[i, 1]
-        turned = (math.atan2(dy, dx) - arcs[i, 3]) % (2.0 * math.pi)
-        if abs(math.hypot(dx, dy) - arcs[i, 2]) <= half and turned <= arcs[i, 4] - arcs[i, 3]:
-            return True
+        if abs(math.hypot(dx, dy) - arcs[i, 2]) <= half:
+            turned = (math.atan2(dy, dx) - arcs[i, 3]) % (2.0 * math.pi)
+            if turned <= arcs[i, 4] - arcs[i, 3]:
+                return True
     return False
 
 
