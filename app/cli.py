@@ -11,6 +11,7 @@ from app.commands import evaluate, patterns
 from app.commands.bench import bench
 from app.commands.calibrate import calibrate_app
 from app.commands.calibrate_lens import board, lens
+from app.commands.calibrate_mirror import mirror
 from app.commands.client import CONTEXT, client
 from app.commands.colors import colors_app
 from app.commands.compile import compile_command
@@ -42,6 +43,7 @@ app.command(context_settings=CONTEXT, add_help_option=False)(client)
 app.command("compile")(compile_command)
 calibrate_app.command()(board)
 calibrate_app.command()(lens)
+calibrate_app.command()(mirror)
 console = Console(stderr=True, highlight=False)
 
 

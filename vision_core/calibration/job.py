@@ -4,6 +4,8 @@ from typing import TypeAlias
 
 from msgspec import Struct
 
+from vision_core.calibration.mirror.fit import FocalPrior
+from vision_core.calibration.mirror.pairs import Rounding
 from vision_core.settings.schema import Settings
 
 
@@ -38,4 +40,24 @@ class LensJob(Struct, frozen=True, tag=True):
     pictures: tuple[PictureFile, ...]
 
 
-CalibrationJob: TypeAlias = CameraJob | LensJob
+class NamedPair(Struct, frozen=True):
+    """A radius and a distance."""
+
+    r_px: float
+    r_mm: float
+    name: str
+    """What messages call it."""
+
+
+class MirrorJob(Struct, frozen=True, tag=True):
+    """Fit the mirror of the on-board cameras to pairs: a ``MirrorCalibration``."""
+
+    settings: Settings
+    """Their field is what the mirror has to resolve."""
+    pairs: tuple[NamedPair, ...]
+    rounding: Rounding
+    prior: FocalPrior | None
+    """Of the on-board camera; None: not known."""
+
+
+CalibrationJob: TypeAlias = CameraJob | LensJob | MirrorJob

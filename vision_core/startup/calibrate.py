@@ -1,7 +1,8 @@
-"""Short process beside a running service: calibrates the camera by pictures of the field, or its lens by a board.
+"""Short process beside a running service: calibrates the camera by pictures of the field, its lens by a board, or the
+mirror of the on-board cameras by pairs.
 
 Standard input has a ``CalibrationJob`` in msgpack. Standard output gets a ``JobStep`` per line; the last has the
-``Calibration`` or ``LensCalibration``, or an error.
+``Calibration``, ``LensCalibration`` or ``MirrorCalibration``, or an error.
 """
 
 import os
@@ -13,7 +14,10 @@ import numpy as np
 
 from vision_core.calibration.board.lens import calibrate_lens
 from vision_core.calibration.board.result import LensCalibration
-from vision_core.calibration.job import CalibrationJob, CameraJob, LensJob
+from vision_core.calibration.job import CalibrationJob, CameraJob, LensJob, MirrorJob
+from vision_core.calibration.mirror.pairs import pairs_of
+from vision_core.calibration.mirror.result import MirrorCalibration
+from vision_core.calibration.mirror.verdict import calibrate_mirror
 from vision_core.calibration.result import Calibration, Progress
 from vision_core.calibration.solve import calibrate, from_other_end
 from vision_core.calibration.start import Start, start_from_corners, start_from_settings
@@ -34,8 +38,11 @@ def main() -> None:
         _tell(JobStep("refused", 1.0, error=str(error)))
 
 
-def run(job: CalibrationJob, progress: Progress) -> Calibration | LensCalibration:
+def run(job: CalibrationJob, progress: Progress) -> Calibration | LensCalibration | MirrorCalibration:
     """The result of a job. Raises PslvError for pictures that cannot be read, and corners that no camera sees so."""
+    if isinstance(job, MirrorJob):
+        rows, names = [(pair.r_px, pair.r_mm) for pair in job.pairs], [pair.name for pair in job.pairs]
+        return calibrate_mirror(pairs_of(rows, names, job.rounding), job.prior, job.settings.field, progress=progress)
     pictures = [read_picture(Path(one.path)) for one in job.pictures]
     names = [one.name for one in job.pictures]
     if isinstance(job, LensJob):

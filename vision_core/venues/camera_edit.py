@@ -1,11 +1,13 @@
-"""Writes a calibrated camera, or a lens, into a settings file, and leaves everything else in it as it is."""
+"""Writes a calibrated camera, a lens, or a mirror into a settings file, and leaves everything else in it as it is."""
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TypeAlias
 
 from vision_core.errors import SettingsError
+from vision_core.models.mirror import Mirror
 from vision_core.settings.layers import Layer
 from vision_core.settings.schema import LensSettings, PinholeSettings, Settings
 from vision_core.venues.loader import settings_from_layers
@@ -27,6 +29,11 @@ def lens_tables(lens: LensSettings) -> Tables:
     """The table of a venue's file for a lens that was measured with a board."""
     values = {name: _number(getattr(lens, name)) for name in lens.__struct_fields__}
     return {"camera.lens": values | {"size_px": repr(list(lens.size_px))}}
+
+
+def mirror_tables(mirror: Mirror) -> Tables:
+    """The table of a venue's file for the mirror of the field's robots."""
+    return {"mirror": {name: _number(value) for name, value in asdict(mirror).items()}}
 
 
 def lines_of(tables: Tables) -> str:
@@ -58,6 +65,15 @@ def save_lens(layers: Sequence[Layer], target: Layer, lens: LensSettings) -> Non
     _save(layers, target, lens_tables(lens), lambda saved: saved.camera.lens == lens)
 
 
+def save_mirror(layers: Sequence[Layer], target: Layer, mirror: Mirror) -> None:
+    """Write the mirror of the field's robots into one of the files; arguments and errors as of ``save_camera``."""
+
+    def is_saved(saved: Settings) -> bool:
+        return (saved.mirror.a, saved.mirror.b, saved.mirror.c) == (mirror.a, mirror.b, mirror.c)
+
+    _save(layers, target, mirror_tables(mirror), is_saved)
+
+
 def _save(layers: Sequence[Layer], target: Layer, tables: Tables, is_saved: Callable[[Settings], bool]) -> None:
     text = target.text
     for table, values in tables.items():
@@ -71,7 +87,7 @@ def _save(layers: Sequence[Layer], target: Layer, tables: Tables, is_saved: Call
     if settings is None or not is_saved(settings):
         heads = " and ".join(f"[{table}]" for table in tables)
         accepted = f"tables {heads}; write into it: {lines_of(tables)}"
-        raise SettingsError(asked, found="camera in another form, or in a later file", accepted=accepted)
+        raise SettingsError(asked, found="values in another form, or in a later file", accepted=accepted)
     replace_file(Path(target.name), text, asked)
 
 

@@ -1,4 +1,4 @@
-"""Calibrates the camera or its lens in a process of its own; says how far it is, and keeps the results."""
+"""Calibrates the camera, its lens or a mirror in a process of its own; says how far it is, and keeps the results."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -8,7 +8,8 @@ import msgspec
 from app.web.background import BackgroundJob, JobState
 from app.web.calibration.pictures import CalibrationPictures, Shown
 from vision_core.calibration.board.result import LensCalibration
-from vision_core.calibration.job import CameraJob, LensJob
+from vision_core.calibration.job import CalibrationJob, CameraJob, LensJob, MirrorJob
+from vision_core.calibration.mirror.result import MirrorCalibration
 from vision_core.calibration.result import Calibration
 from vision_core.startup import CALIBRATE
 from vision_core.types.job_step import JobStep
@@ -20,6 +21,7 @@ class Work(StrEnum):
     NOTHING = ""
     CAMERA = "camera"
     LENS = "lens"
+    MIRROR = "mirror"
 
 
 class CameraCalibration:
@@ -34,6 +36,8 @@ class CameraCalibration:
         """Of the present pictures of the field."""
         self.lens: LensCalibration | None = None
         """Of the present pictures of a board."""
+        self.mirror: MirrorCalibration | None = None
+        """Of the newest pairs."""
         self._job = BackgroundJob("a calibration")
 
     @property
@@ -55,7 +59,7 @@ class CameraCalibration:
         self._job.forget()
         if kind is Shown.FIELD:
             self.result = None
-        else:
+        elif kind is Shown.BOARD:
             self.lens = None
 
     def calibrate(self, job: CameraJob) -> None:
@@ -66,21 +70,25 @@ class CameraCalibration:
         """Begin with the lens. Raises RequestRefused while another job runs."""
         self._start(Work.LENS, job)
 
+    def fit(self, job: MirrorJob) -> None:
+        """Begin with a mirror. Raises RequestRefused while another job runs."""
+        self._start(Work.MIRROR, job)
+
     def cancel(self) -> None:
         """End the job that runs, if one does."""
         self._job.cancel()
 
-    def _start(self, work: Work, job: CameraJob | LensJob) -> None:
+    def _start(self, work: Work, job: CalibrationJob) -> None:
         self._job.check_idle()
         self.work = work
-        if work is Work.CAMERA:
-            self.result = None
-        else:
-            self.lens = None
+        self._keep(None)
         self._job.start(CALIBRATE, msgspec.msgpack.encode(job), self._keep)
 
-    def _keep(self, last: JobStep) -> None:
+    def _keep(self, last: JobStep | None) -> None:
+        """Take over what the newest job found; None: nothing yet."""
         if self.work is Work.CAMERA:
-            self.result = last.found(Calibration)
+            self.result = last.found(Calibration) if last else None
+        elif self.work is Work.LENS:
+            self.lens = last.found(LensCalibration) if last else None
         else:
-            self.lens = last.found(LensCalibration)
+            self.mirror = last.found(MirrorCalibration) if last else None

@@ -26,6 +26,8 @@ class Shown(StrEnum):
 
     FIELD = "field"
     BOARD = "board"
+    ONBOARD = "onboard"
+    """What a robot's own camera sees through its mirror."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,7 @@ class CalibrationPictures:
         """The same for a job. Raises RequestRefused when there is none."""
         found = tuple(PictureFile(str(one.path), one.name) for one in self.of(kind))
         if not found:
-            what = "a calibration" if kind is Shown.FIELD else "a lens"
+            what = {Shown.FIELD: "a calibration", Shown.BOARD: "a lens", Shown.ONBOARD: "pairs of a mirror"}[kind]
             raise RequestRefused(HTTPStatus.CONFLICT, what, found="no picture", accepted="take a picture first")
         return found
 

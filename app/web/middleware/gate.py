@@ -35,7 +35,11 @@ FILE_BODY: dict[str, Any] = {
 }
 """The same in the OpenAPI document."""
 FILES = frozenset({"/api/v1/new-venue/pictures", "/api/v1/calibration/pictures"})
-MAX_BODIES = {"/api/v1/settings/import": 256 * 1024} | dict.fromkeys(FILES, MAX_FILE_BYTES)
+MAX_BODIES = {
+    "/api/v1/settings/import": 256 * 1024,
+    "/api/v1/calibration/mirror": 2 * 1024 * 1024,
+    **dict.fromkeys(FILES, MAX_FILE_BYTES),
+}
 POLICY_VIOLATION = 1008
 BEARER = "bearer "
 HOW = "log in on the page, or send a token: `pslv token NAME` on the server makes one"

@@ -1,6 +1,5 @@
-"""A calibration of the camera or its lens, as the page draws it."""
+"""A calibration of the camera, its lens or a mirror, as the page draws it."""
 
-import math
 from collections.abc import Sequence
 
 from msgspec import to_builtins
@@ -9,19 +8,13 @@ from app.web.background import JobState
 from app.web.calibration.job import CameraCalibration, Work
 from app.web.calibration.pictures import CalibrationPicture, Shown
 from app.web.reports.base import Report
+from app.web.reports.mirror import MirrorResult, mirror_from
+from app.web.reports.reasons import ReasonReport, finite, reasons_from
 from vision_core.calibration.board.result import LensCalibration
 from vision_core.calibration.result import Calibration
 from vision_core.settings.schema import Settings
-from vision_core.types.reasons import Reason
 
 Point = tuple[float, float]
-
-
-class ReasonReport(Report):
-    """Why a calibration is refused."""
-
-    text: str
-    advice: str
 
 
 class LineReport(Report):
@@ -127,8 +120,10 @@ class CalibrationReport(Report):
     """Of the field, by one camera that did not move."""
     boards: list[CalibrationPictureReport]
     """Of a board."""
+    onboard: list[CalibrationPictureReport]
+    """Of a robot's own camera."""
     work: Work
-    """What the newest job does: camera or lens."""
+    """What the newest job does: camera, lens or mirror."""
     state: JobState
     """none, running, done (with a result, accepted or refused), failed (see error) or cancelled."""
     what: str
@@ -138,6 +133,7 @@ class CalibrationReport(Report):
     error: str
     result: CalibrationResult | None
     lens: LensResult | None
+    mirror: MirrorResult | None
     held_focal_px: float | None
     """Focal length of the lens that the settings have (camera.lens), which holds; null: they have none."""
 
@@ -148,6 +144,7 @@ def calibration_from(job: CameraCalibration, settings: Settings) -> CalibrationR
     return CalibrationReport(
         pictures=_pictures(job.pictures.of(Shown.FIELD)),
         boards=_pictures(job.pictures.of(Shown.BOARD)),
+        onboard=_pictures(job.pictures.of(Shown.ONBOARD)),
         work=job.work,
         state=job.state,
         what=step.what,
@@ -155,6 +152,7 @@ def calibration_from(job: CameraCalibration, settings: Settings) -> CalibrationR
         error=step.error,
         result=None if job.result is None else _result(job.result),
         lens=None if job.lens is None else _lens(job.lens),
+        mirror=None if job.mirror is None else mirror_from(job.mirror),
         held_focal_px=None if held is None else held.focal_px,
     )
 
@@ -169,18 +167,18 @@ def _pictures(pictures: Sequence[CalibrationPicture]) -> list[CalibrationPicture
 def _result(result: Calibration) -> CalibrationResult:
     return CalibrationResult(
         accepted=result.accepted,
-        reasons=_reasons(result.reasons),
+        reasons=reasons_from(result.reasons),
         notes=list(result.notes),
         lines=[LineReport(**{key: to_builtins(line)[key] for key in LineReport.model_fields}) for line in result.lines],
         samples=result.samples,
-        rms_px=_finite(result.rms_px),
-        floor_error_mm=_finite(result.floor_error_m * 1e3),
-        marker_error_mm=_finite(result.marker_error_m * 1e3),
+        rms_px=finite(result.rms_px),
+        floor_error_mm=finite(result.floor_error_m * 1e3),
+        marker_error_mm=finite(result.marker_error_m * 1e3),
         coverage=result.coverage,
-        height_m=_finite(result.camera.position_m[2]),
-        focal_px=_finite(result.camera.focal_px),
+        height_m=finite(result.camera.position_m[2]),
+        focal_px=finite(result.camera.focal_px),
         pictures=[
-            SeenReport(name=one.name, sections=one.sections, apart_px=_finite(one.apart_px)) for one in result.pictures
+            SeenReport(name=one.name, sections=one.sections, apart_px=finite(one.apart_px)) for one in result.pictures
         ],
     )
 
@@ -189,22 +187,14 @@ def _lens(result: LensCalibration) -> LensResult:
     lens = result.lens
     return LensResult(
         accepted=result.accepted,
-        reasons=_reasons(result.reasons),
+        reasons=reasons_from(result.reasons),
         notes=list(result.notes),
         pictures=[BoardReport(**to_builtins(one)) for one in result.pictures],
         corners=result.corners,
-        rms_px=_finite(result.rms_px),
-        bend_error_px=_finite(result.bend_error_px),
+        rms_px=finite(result.rms_px),
+        bend_error_px=finite(result.bend_error_px),
         coverage=result.coverage,
         regions=list(result.regions.values()),
         focal_px=None if lens is None else lens.focal_px,
         focal_deviation_px=None if lens is None else lens.focal_deviation_px,
     )
-
-
-def _reasons(reasons: Sequence[Reason]) -> list[ReasonReport]:
-    return [ReasonReport(text=reason.text, advice=reason.advice) for reason in reasons]
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -4,7 +4,8 @@ from typing import Any
 
 from app.web.background import JobState
 from app.web.reports.base import Report
-from app.web.reports.calibration import LineReport, Point, ReasonReport
+from app.web.reports.calibration import LineReport, Point
+from app.web.reports.reasons import ReasonReport
 from app.web.venue.desk import Desk
 from vision_core.patterns.pattern import Pattern
 from vision_core.settings.schema import FieldSettings

@@ -21,6 +21,7 @@ from app.web.reports.base import Report
 from app.web.reports.calibration import CalibrationReport, Point, calibration_from
 from app.web.reports.changes import ChangeReport
 from app.web.routes.change import change
+from app.web.routes.mirror_calibration import add_mirror_routes
 from vision_core.calibration.board.board import BOARDS
 from vision_core.calibration.board.result import LensCalibration
 from vision_core.calibration.board.sheet import FORMS
@@ -53,6 +54,7 @@ def calibration_routes(blackboard: Blackboard, configuration: Configuration) -> 
     _picture_routes(router, job, blackboard, configuration)
     _job_routes(router, job, configuration)
     _end_routes(router, job, configuration)
+    add_mirror_routes(router, job, configuration)
     return router
 
 

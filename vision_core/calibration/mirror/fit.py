@@ -21,8 +21,10 @@ from vision_core.models.mirror import px_from_mm
 
 STARTS_PX = (150.0, 300.0, 600.0)
 """First guesses of the focal length."""
-USUAL_FOCAL_PX, ANY_FOCAL, USUAL_FOCAL = 300.0, 0.7, 0.1
-"""The prior without a focal length, whose deviation is a factor of two, and the deviation of one without its own."""
+USUAL_FOCAL_PX, ANY_FOCAL = 300.0, 0.7
+"""The prior without a focal length, whose deviation is a factor of two."""
+USUAL_FOCAL, LEAST_FOCAL = 0.1, 1e-4
+"""Deviation of a focal length that came without one, and the least of any, as shares of it."""
 USUAL_HEIGHT_MM, USUAL_BEND = 220.0, 1.7
 """Where no two pairs are a mirror."""
 STEPS, ROUNDS = 40, 8
@@ -45,6 +47,12 @@ class FocalPrior:
     focal_px: float = USUAL_FOCAL_PX
     share: float = ANY_FOCAL
     """Standard deviation as a share of it."""
+
+
+def focal_prior(focal_px: float, deviation_px: float | None) -> FocalPrior:
+    """What is known of a focal length. deviation_px: its standard deviation; None: a tenth of it."""
+    share = USUAL_FOCAL if deviation_px is None else deviation_px / focal_px
+    return FocalPrior(focal_px, max(share, LEAST_FOCAL))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,10 +74,9 @@ class Pairs:
 
     def joined(self, other: "Pairs") -> "Pairs":
         """These, then the others, each as its own rounding has them."""
-        radii = np.concatenate([self.measured_px, other.measured_px])
-        rounding = Rounding.EXACT
+        radii, rounding = np.concatenate([self.measured_px, other.measured_px]), Rounding.EXACT
         if self.are_cut and other.are_cut:
-            radii, rounding = radii - HALF_PX, Rounding.CUT
+            radii, rounding = radii - HALF_PX, self.rounding if self.rounding is other.rounding else Rounding.CUT
         distances = np.concatenate([self.distances_mm, other.distances_mm])
         return Pairs(radii, distances, (*self.names, *other.names), rounding)
 

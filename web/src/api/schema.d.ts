@@ -177,6 +177,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calibration/mirror": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Fit
+         * @description Begins with a mirror; GET says how far it is, and has curve, band and residuals then. Nothing changes.
+         *     A pair that is none is refused at once, with its row or line.
+         */
+        post: operations["fit_api_v1_calibration_mirror_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calibration/pictures": {
         parameters: {
             query?: never;
@@ -1827,6 +1848,12 @@ export interface components {
              */
             held_focal_px: number | null;
             lens: components["schemas"]["LensResult"] | null;
+            mirror: components["schemas"]["MirrorResult"] | null;
+            /**
+             * Onboard
+             * @description Of a robot's own camera.
+             */
+            onboard: components["schemas"]["CalibrationPictureReport"][];
             /**
              * Pictures
              * @description Of the field, by one camera that did not move.
@@ -1845,7 +1872,7 @@ export interface components {
              * @description What is being done.
              */
             what: string;
-            /** @description What the newest job does: camera or lens. */
+            /** @description What the newest job does: camera, lens or mirror. */
             work: components["schemas"]["Work"];
         };
         /**
@@ -2287,6 +2314,56 @@ export interface components {
              * @description Why the light cannot be judged; empty when it can.
              */
             reason: string;
+        };
+        /**
+         * ConstantsReport
+         * @description A, B, C of equation 1, and what they mean.
+         */
+        ConstantsReport: {
+            /** A */
+            a: number;
+            /** B */
+            b: number;
+            /**
+             * Bend
+             * @description u; b/a = sinh(u/2) of the hyperboloid.
+             */
+            bend: number;
+            /** C */
+            c: number;
+            /**
+             * Deviations
+             * @description Standard deviations of A, B, C.
+             */
+            deviations: [
+                number,
+                number,
+                number
+            ];
+            /** Focal Px */
+            focal_px: number;
+            /**
+             * Height Mm
+             * @description Of the effective viewpoint over the floor.
+             */
+            height_mm: number;
+            /** Horizon Px */
+            horizon_px: number;
+        };
+        /**
+         * CurveReport
+         * @description The curve at one distance.
+         */
+        CurveReport: {
+            /**
+             * Deviation Px
+             * @description Standard deviation: the band is twice as wide to either side.
+             */
+            deviation_px: number;
+            /** R Mm */
+            r_mm: number;
+            /** R Px */
+            r_px: number;
         };
         /**
          * DifferenceReport
@@ -3222,6 +3299,89 @@ export interface components {
             c: number;
         };
         /**
+         * MirrorRequest
+         * @description Pairs, typed or as text, and what is known of the on-board camera.
+         */
+        MirrorRequest: {
+            /**
+             * Focal Deviation Px
+             * @description Its standard deviation; null: a tenth of it.
+             */
+            focal_deviation_px?: number | null;
+            /**
+             * Focal Px
+             * @description Focal length of the on-board camera; null: not known.
+             */
+            focal_px?: number | null;
+            /**
+             * Pairs
+             * @default []
+             */
+            pairs: components["schemas"]["TypedPair"][];
+            /**
+             * @description Are radii cut to whole numbers? int: yes, as in ``see``; exact: no; auto: if all of them are whole.
+             * @default auto
+             */
+            rounding: components["schemas"]["Rounding"];
+            /**
+             * Text
+             * @description Pasted, or a CSV file: radius [px] and distance [mm], or a header that names the units. Beside pairs or alone.
+             * @default
+             */
+            text: string;
+        };
+        /**
+         * MirrorResult
+         * @description A mirror that was fitted, or an attempt.
+         */
+        MirrorResult: {
+            /**
+             * Accepted
+             * @description It may be taken.
+             */
+            accepted: boolean;
+            /**
+             * Band Px
+             * @description Two standard deviations of the curve, where they are largest between 0.1 and 2.5 m.
+             */
+            band_px: number | null;
+            /** Condition */
+            condition: number | null;
+            /** @description null: there are too few pairs, or they want a mirror that is not allowed. */
+            constants: components["schemas"]["ConstantsReport"] | null;
+            /**
+             * Curve
+             * @description From 0.1 to 2.5 m; empty without one.
+             */
+            curve: components["schemas"]["CurveReport"][];
+            /** Median Px */
+            median_px: number | null;
+            /** Notes */
+            notes: string[];
+            /**
+             * Pairs
+             * @description In the order in which they were given.
+             */
+            pairs: components["schemas"]["PairReport"][];
+            /**
+             * Reasons
+             * @description Why it is refused; empty when it is accepted.
+             */
+            reasons: components["schemas"]["ReasonReport"][];
+            /** Rms Px */
+            rms_px: number | null;
+            /**
+             * Words
+             * @description The verdict in sentences.
+             */
+            words: string[];
+            /**
+             * Worst Px
+             * @description Of the distances of pairs that count from the curve.
+             */
+            worst_px: number | null;
+        };
+        /**
          * NewKey
          * @description A team's key; it is told only once.
          */
@@ -3390,6 +3550,34 @@ export interface components {
                 number,
                 number
             ];
+        };
+        /**
+         * PairReport
+         * @description One pair.
+         */
+        PairReport: {
+            /**
+             * Counts
+             * @description false: it contradicts the others and was left out.
+             */
+            counts: boolean;
+            /**
+             * Name
+             * @description What messages call it: "line 7", "row 7", or as the request said.
+             */
+            name: string;
+            /**
+             * Off Px
+             * @description How much farther from the center it lies than the curve; null: there is none.
+             */
+            off_px: number | null;
+            /** R Mm */
+            r_mm: number;
+            /**
+             * R Px
+             * @description As it was fitted: with half a pixel more than given where radii were cut to whole numbers.
+             */
+            r_px: number;
         };
         /**
          * Password
@@ -3660,6 +3848,12 @@ export interface components {
          */
         Role: "viewer" | "team" | "operator";
         /**
+         * Rounding
+         * @description What the radii of pairs are.
+         * @enum {string}
+         */
+        Rounding: "auto" | "int" | "exact";
+        /**
          * SampleRequest
          * @description A place in a picture whose color belongs to a class.
          */
@@ -3867,7 +4061,7 @@ export interface components {
          * @description What pictures show.
          * @enum {string}
          */
-        Shown: "field" | "board";
+        Shown: "field" | "board" | "onboard";
         /**
          * SourceReport
          * @description Where the images come from.
@@ -4262,6 +4456,22 @@ export interface components {
             /** Name */
             name: string;
         };
+        /**
+         * TypedPair
+         * @description A radius in the on-board picture and the distance on the floor from the robot's center.
+         */
+        TypedPair: {
+            /**
+             * Name
+             * @description What messages call it; empty: "row 1" and so on.
+             * @default
+             */
+            name: string;
+            /** R Mm */
+            r_mm: number;
+            /** R Px */
+            r_px: number;
+        };
         /** ValidationError */
         ValidationError: {
             /** Context */
@@ -4347,7 +4557,7 @@ export interface components {
          * @description What is calibrated.
          * @enum {string}
          */
-        Work: "" | "camera" | "lens";
+        Work: "" | "camera" | "lens" | "mirror";
         /**
          * Kind
          * @description What an entry tells.
@@ -5049,6 +5259,75 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    fit_api_v1_calibration_mirror_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MirrorRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
                 };
             };
             /** @description Nobody is logged in */

@@ -1,0 +1,88 @@
+"""``pslv calibrate mirror``: what it prints can be pasted, ``--save`` edits a user's file, refusals change nothing."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from app.cli import app
+from vision_core.errors import SettingsError
+from vision_core.models.from_settings import mirror_of
+from vision_core.models.mirror import PAPER_MIRROR
+from vision_core.native.opencv import read_picture
+from vision_core.types.objects import Team
+from vision_core.venues.loader import load_settings
+
+DISTANCES = np.array([110.0, 150.0, 220.0, 300.0, 380.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 2750.0])
+VENUE = """# my field
+field_preset = "ssl-2002"
+
+[mirror]
+a = 4.0   # guessed
+b = 0.0125
+"""
+
+
+@pytest.fixture
+def pairs(tmp_path: Path) -> Path:
+    path = tmp_path / "pairs.csv"
+    rows = [f"{PAPER_MIRROR.px_from_mm(mm):.1f},{mm}" for mm in DISTANCES.tolist()]
+    path.write_text("\n".join(["R_px,r_mm", *rows]))
+    return path
+
+
+def run(*words: str | Path) -> Result:
+    return CliRunner().invoke(app, ["calibrate", "mirror", *map(str, words)])
+
+
+def test_what_it_prints_can_be_pasted(pairs: Path, tmp_path: Path) -> None:
+    result = run(pairs, "--focal", "300", "--draw", tmp_path / "curve.png")
+    assert result.exit_code == 0, result.output
+    venue = tmp_path / "venue.toml"
+    venue.write_text(result.stdout)
+    mirror = mirror_of(load_settings(str(venue)).mirror, Team.BLUE)
+    assert mirror.px_from_mm(DISTANCES) == pytest.approx(PAPER_MIRROR.px_from_mm(DISTANCES), abs=0.1)
+    assert "px rms over 11 pairs" in result.stdout
+    assert read_picture(tmp_path / "curve.png").shape == (640, 800, 3)
+    shown = json.loads(run(pairs, "--json").stdout)
+    assert shown["shape"]["focal_px"] > 0.0
+    assert len(shown["pairs"]) == 11
+
+
+def test_save_edits_the_file_and_nothing_else(pairs: Path, tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text(VENUE)
+    result = run(pairs, "--venue", venue, "--save", "--focal", "300", "--focal-sd", "3")
+    assert result.exit_code == 0, result.output
+    assert 'field_preset = "ssl-2002"' in venue.read_text()
+    assert "# guessed" in venue.read_text()
+    mirror = mirror_of(load_settings(str(venue)).mirror, Team.YELLOW)
+    assert (mirror.a, mirror.b, mirror.c) == pytest.approx((PAPER_MIRROR.a, PAPER_MIRROR.b, PAPER_MIRROR.c), rel=0.03)
+
+
+def test_a_refusal_leaves_the_file_as_it_was(pairs: Path, tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text(VENUE)
+    pairs.write_text("\n".join(pairs.read_text().splitlines()[:6]))
+    result = run(pairs, "--venue", venue, "--save", "--draw", tmp_path / "curve.png")
+    assert result.exit_code == 2
+    assert "refused: pairs at 5 distances agree, 6 are needed" in result.stdout
+    assert "[mirror]" not in result.stdout
+    assert venue.read_text() == VENUE
+    assert (tmp_path / "curve.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--focal-sd", "3"), "no --focal"),
+        (("--save",), "no file of yours"),
+        (("--field", "moon"), "moon"),
+    ],
+)
+def test_what_it_refuses(pairs: Path, words: tuple[str, ...], said: str) -> None:
+    error = run(pairs, *words).exception
+    assert isinstance(error, SettingsError)
+    assert said in str(error)

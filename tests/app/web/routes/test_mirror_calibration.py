@@ -1,0 +1,72 @@
+"""A mirror is fitted over the API: pairs as rows or text, the verdict with curve and band, refusals by row."""
+
+from collections.abc import Iterator
+
+import httpx
+import numpy as np
+import pytest
+
+from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from vision_core.models.mirror import PAPER_MIRROR
+
+DISTANCES = [110.0, 150.0, 220.0, 300.0, 380.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 2750.0]
+PAIRS = [{"r_px": round(PAPER_MIRROR.px_from_mm(mm), 1), "r_mm": mm} for mm in DISTANCES]
+TEXT = "r [mm];R [px]\n" + "\n".join(f"{pair['r_mm']};{pair['r_px']}".replace(".", ",") for pair in PAIRS)
+
+
+@pytest.fixture(scope="module")
+def http() -> Iterator[httpx.Client]:
+    service = FakeService(Scene())
+    service.start()
+    with (
+        served_page(service) as address,
+        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=20.0) as client,
+    ):
+        yield client
+    service.stop()
+
+
+def fitted(http: httpx.Client, body: dict[str, object]) -> dict[str, object]:
+    begun = http.post("/calibration/mirror", json=body)
+    assert begun.status_code == 202, begun.text
+    assert begun.json()["work"] == "mirror"
+    wait_for(lambda: http.get("/calibration").json()["state"] != "running", 60.0)
+    report = http.get("/calibration").json()
+    assert report["state"] == "done", report["error"]
+    return dict(report["mirror"])
+
+
+def test_pairs_give_a_mirror_with_its_curve(http: httpx.Client) -> None:
+    wrong = {"r_px": 60.0, "r_mm": 2000.0, "name": "the goal"}
+    found = fitted(http, {"pairs": [*PAIRS, wrong], "focal_px": 300.0})
+    assert found["accepted"], found["reasons"]
+    constants = found["constants"]
+    assert isinstance(constants, dict)
+    assert constants["horizon_px"] == pytest.approx(PAPER_MIRROR.horizon_px, abs=0.3)
+    assert constants["deviations"][2] / constants["c"] < 0.2
+    curve = found["curve"]
+    assert isinstance(curve, list)
+    off = [point["r_px"] - PAPER_MIRROR.px_from_mm(point["r_mm"]) for point in curve]
+    assert np.abs(off).max() < 0.1
+    pairs = found["pairs"]
+    assert isinstance(pairs, list)
+    assert [pair["name"] for pair in pairs if not pair["counts"]] == ["the goal"]
+    assert "the goal (-36.9 px) left out" in str(found["notes"])
+
+
+def test_text_is_refused_by_line_and_too_few_pairs_with_what_is_missing(http: httpx.Client) -> None:
+    found = fitted(http, {"text": TEXT})
+    assert found["accepted"], found["reasons"]
+    assert found["words"]
+    few = fitted(http, {"text": "\n".join(TEXT.splitlines()[:4])})
+    assert (few["accepted"], few["constants"], few["curve"]) == (False, None, [])
+    assert "3 distances are not enough" in str(few["reasons"])
+    bad = http.post("/calibration/mirror", json={"text": TEXT + "\n500;x"})
+    assert (bad.status_code, bad.json()["field"]) == (422, "text")
+    assert bad.json()["asked"] == "the text, line 13"
+    bad = http.post("/calibration/mirror", json={"pairs": [*PAIRS, {"r_px": 0.0, "r_mm": 1.0}]})
+    assert (bad.status_code, bad.json()["field"], bad.json()["asked"]) == (422, "pairs", "row 12")
+    bad = http.post("/calibration/mirror", json={"pairs": PAIRS, "focal_deviation_px": 3.0})
+    assert bad.json()["field"] == "focal_px"
+    long = fitted(http, {"text": "\n".join([TEXT] + TEXT.splitlines()[1:] * 100)})
+    assert len(long["pairs"]) == 1111  # type: ignore[arg-type]
