@@ -13,7 +13,7 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import Mirror
 from vision_core.onboard.mirror_shape import MirrorShape
-from vision_core.onboard.ray_tracer import DARK, Optics, trace
+from vision_core.onboard.ray_tracer import DARK, Labels, Optics, label, trace
 from vision_core.onboard.scene import NEAREST_RADII, Scene, SceneMaker
 from vision_core.settings.schema import S_PER_MS, Settings
 from vision_core.types.objects import Team
@@ -56,6 +56,8 @@ class OnboardCamera:
         self.rim_px = min((HEIGHT_PX / 2.0 - MARGIN_PX / 2.0) / fits, RIM_HORIZONS * self.mirror.horizon_px)
         """Radius of the mirror's rim in the picture [px of equation 1]."""
         self._maker = SceneMaker(settings, self.worn, self.row, self.shape)
+        vignetting, shape = settings.synthetic.vignetting, self.shape
+        self._optics = Optics(shape.f_px, shape.a_m, shape.b_m, self.scale, self.rim_px, vignetting)
         self._samples = exposure_samples(settings.synthetic.exposure_ms * S_PER_MS)
         self._noise = SensorNoise(settings.synthetic, size_px[0] * size_px[1] * 3)
 
@@ -77,11 +79,15 @@ class OnboardCamera:
     def exact_picture(self, scene: Scene) -> Bytes:
         """The picture of a scene without noise."""
         picture = np.empty((self.size_px[1], self.size_px[0], 3), dtype=np.uint8)
-        shape = self.shape
-        vignetting = self.settings.synthetic.vignetting
-        optics = Optics(shape.f_px, shape.a_m, shape.b_m, self.scale, self.rim_px, vignetting)
-        trace(picture, optics, self._samples, scene, DARK)
+        trace(picture, self._optics, self._samples, scene, DARK)
         return picture
+
+    def labels(self, scene: Scene) -> tuple[Labels, Floats]:
+        """What each pixel's center shows of a scene and how far from the viewpoint [m], as of ``ray_tracer.label``."""
+        labels = np.empty((self.size_px[1], self.size_px[0]), dtype=np.int32)
+        ranges = np.empty(labels.shape)
+        label(labels, ranges, self._optics, scene)
+        return labels, ranges
 
     def pixel_from_px(self, forward_px: Floats, left_px: Floats) -> Floats:
         """Columns and rows in the picture of places given in pixels of equation 1, shape (n, 2)."""

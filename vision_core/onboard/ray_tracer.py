@@ -8,7 +8,7 @@ What is called for every ray gets the few arrays that it needs: a whole scene co
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,17 @@ from vision_core.onboard.prism_rays import MISSED, TIE_M, Point, hit_prism, hit_
 from vision_core.onboard.scene import Scene
 from vision_core.onboard.shading import color_ball, color_floor_point, color_prism, lamps_at
 
+Labels: TypeAlias = NDArray[np.int32]
+
 _reflect: Any = kernel(mirror_shape.reflect)
 
 DARK = COLORS[HORIZON]
 """What holds the mirror: around it the picture is dark."""
+BALL, FLOOR, ROOM, OUTSIDE = -1, -2, -3, -4
+"""Labels of what a ray meets, beside the rows of the scene's solids; OUTSIDE: it does not meet the mirror."""
 CENTER_PX = 3.0
 """So near to the center of the picture, a pixel's rays go to all azimuths."""
+ROUNDING_RAD = 1e-9
 
 
 class Optics(NamedTuple):
@@ -44,18 +49,16 @@ class Optics(NamedTuple):
 
 
 class Around(NamedTuple):
-    """What stands around the viewer at the times of a pixel's rays; see ``azimuths``."""
+    """The viewer and what stands around it at the times of a pixel's rays; see ``azimuths``."""
 
     samples: Floats
     """Offsets of the rays in the picture and in time, shape (n, 3) [px, px, s]."""
     places: Floats
     shapes: Floats
-    candidates: NDArray[np.int64]
-    """Rows of the solids that the rays of one pixel may meet."""
-    color: Floats
-    """Scratch: of a ray, shape (3,)."""
-    shade: Floats
-    """Scratch: a factor for every material of the floor."""
+    viewer: Floats
+    ball: Floats
+    room: Floats
+    height_m: float
 
 
 @kernel
@@ -66,9 +69,9 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
     what is outside of the mirror.
     """
     height, width, _ = picture.shape
-    places = places_of(scene.solids, scene.viewer, samples[:, 2])
-    azimuths = azimuths_of(scene.solids, places)
-    shapes, candidates = shapes_of(scene.solids), np.empty(len(azimuths), dtype=np.int64)
+    around = _around(samples, scene)
+    azimuths = azimuths_of(scene.solids, around.places)
+    candidates = np.empty(len(azimuths), dtype=np.int64)
     total, color, shade = np.zeros(3), np.zeros(3), np.empty(len(scene.ground.colors))
     reach_px = math.sqrt(2.0) * np.abs(samples[:, :2]).max()
     corner = 0.25 * (height * height + width * width)
@@ -79,8 +82,7 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
             margin = math.asin(reach_px / away) if away > CENTER_PX else math.pi
             count = find_candidates(candidates, azimuths, math.atan2(left, up), margin)
             total[:] = 0.0
-            around = Around(samples, places, shapes, candidates[:count], color, shade)
-            inside = _add_rays(total, up, left, optics, scene, around)
+            inside = _add_rays(total, color, shade, up, left, optics, scene, around, candidates[:count])
             lens = (1.0 - optics.vignetting * away * away / corner) / len(samples)
             outside = 1.0 - inside / len(samples)
             for channel in range(3):
@@ -89,72 +91,98 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
 
 
 @kernel
-def _add_rays(total: Floats, up: float, left: float, optics: Optics, scene: Scene, around: Around) -> int:
-    """Add the colors of a pixel's rays that meet the mirror to total; returns how many do."""
-    viewer, eye_m, ball, ground = scene.viewer, scene.height_m, scene.ball, scene.ground
-    color, inside = around.color, 0
+def label(labels: Labels, ranges: Floats, optics: Optics, scene: Scene) -> None:
+    """What the ray through each pixel's center meets at mid-exposure, and how far from the viewpoint [m].
+
+    labels, ranges: the results, shape (height, width); a label is a row of the scene's solids, or BALL, FLOOR, ROOM or
+    OUTSIDE, where the range is inf.
+    """
+    height, width = labels.shape
+    around = _around(np.zeros((1, 3)), scene)
+    azimuths = azimuths_of(scene.solids, around.places)
+    candidates = np.empty(len(azimuths), dtype=np.int64)
+    for v in range(height):
+        for u in range(width):
+            x, y = (0.5 * (height - 1) - v) / optics.scale, (0.5 * (width - 1) - u) / optics.scale
+            if x * x + y * y > optics.rim_px * optics.rim_px:
+                labels[v, u], ranges[v, u] = OUTSIDE, math.inf
+                continue
+            _, _, _, dx, dy, dz = _reflect(x, y, optics.f_px, optics.a_m, optics.b_m)
+            margin = ROUNDING_RAD if x * x + y * y > 0.0 else math.pi
+            count = find_candidates(candidates, azimuths, math.atan2(y, x), margin)
+            labels[v, u], ranges[v, u], _, _, _, _ = _first_hit(around, candidates[:count], 0, dx, dy, dz)
+
+
+@kernel
+def _around(samples: Floats, scene: Scene) -> Around:
+    places, shapes = places_of(scene.solids, scene.viewer, samples[:, 2]), shapes_of(scene.solids)
+    return Around(samples, places, shapes, scene.viewer, scene.ball, scene.ground.room, scene.height_m)
+
+
+@kernel
+def _add_rays(
+    total: Floats, color: Floats, shade: Floats, up: float, left: float, optics: Optics, scene: Scene,
+    around: Around, candidates: NDArray[np.int64],
+) -> int:  # fmt: skip
+    """Add the colors of a pixel's rays that meet the mirror to total; returns how many do. color, shade: scratch."""
+    ball, ground, inside = scene.ball, scene.ground, 0
     for k in range(len(around.samples)):
-        # the ray in robot space
         x, y = (up - around.samples[k, 1]) / optics.scale, (left - around.samples[k, 0]) / optics.scale
         if x * x + y * y > optics.rim_px * optics.rim_px:
             continue
         inside += 1
         _, _, _, dx, dy, dz = _reflect(x, y, optics.f_px, optics.a_m, optics.b_m)
-        # the ray in the field
-        time = around.samples[k, 2]
-        heading = viewer[2] + time * viewer[5]
-        c, s = math.cos(heading), math.sin(heading)
-        eye = viewer[0] + time * viewer[3], viewer[1] + time * viewer[4], eye_m
-        ray = c * dx - s * dy, s * dx + c * dy, dz
-        # what it meets first: a solid, the ball, the floor or the room
-        t_solid, found, face, nx, ny = _nearest_solid(around, k, eye_m, dx, dy, dz)
-        center = ball[0] + time * ball[2], ball[1] + time * ball[3], ball[4]
-        t_ball = hit_sphere(center, ball[4], eye, ray)
-        t_floor = eye_m / -dz if dz < 0.0 else math.inf
-        t = min(t_solid, t_ball, t_floor, _room_distance(ground.room, eye, ray))
-        px, py, pz = eye[0] + t * ray[0], eye[1] + t * ray[1], eye_m + t * dz
-        if t == t_solid:
-            place = around.places[k, found]
+        met, t, face, nx, ny, point = _first_hit(around, candidates, k, dx, dy, dz)
+        if met >= 0:
+            place = around.places[k, met]
             own_x = place[0] + t * (place[2] * dx - place[3] * dy)
             own_y = place[1] + t * (place[3] * dx + place[2] * dy)
             normal = place[4] * nx - place[5] * ny, place[5] * nx + place[4] * ny
-            color_prism(color, scene.solids[found], scene.papers, face, own_x, own_y, pz, normal)
-        elif t == t_ball:
-            color_ball(color, ball, px - center[0], py - center[1], pz - center[2])
-        elif t == t_floor:
-            color_floor_point(color, around.shade, ground, scene.shadow_casters, px, py, time)
+            color_prism(color, scene.solids[met], scene.papers, face, own_x, own_y, point[2], normal)
+        elif met == BALL:
+            color_ball(color, ball, around.samples[k, 2], point)
+        elif met == FLOOR:
+            color_floor_point(color, shade, ground, scene.shadow_casters, point, around.samples[k, 2])
         else:
             for channel in range(3):
                 color[channel] = ground.room[2 + channel]
-        light = lamps_at(ground.brightness, ground.uneven_light, px, py)
+        light = lamps_at(ground.brightness, ground.uneven_light, point[0], point[1])
         for channel in range(3):
             total[channel] += color[channel] * light
     return inside
 
 
 @kernel
-def _nearest_solid(
-    around: Around, k: int, eye_m: float, dx: float, dy: float, dz: float
-) -> tuple[float, int, int, float, float]:  # fmt: skip
-    """Distance, row and face of the solid that a ray meets first, and the side's normal in the solid's space.
+def _first_hit(
+    around: Around, candidates: NDArray[np.int64], k: int, dx: float, dy: float, dz: float
+) -> tuple[int, float, int, float, float, Point]:  # fmt: skip
+    """What a ray meets first: label, distance, of a solid the face and the side's normal in its space, and the point.
 
-    k: number of the ray in its pixel; dx, dy, dz: its direction in robot space.
+    candidates: the solids that it may meet; k: number of the ray in its pixel; dx, dy, dz: its direction, a unit vector
+    in robot space.
     """
-    shapes, places, candidates = around.shapes, around.places, around.candidates
-    nearest, found, face, nx, ny = math.inf, -1, MISSED, 0.0, 0.0
+    # solids, each in its own space
+    shapes, places = around.shapes, around.places
+    nearest, met, face, nx, ny = math.inf, ROOM, MISSED, 0.0, 0.0
     for i in candidates:
         ox, oy, c, s = places[k, i, 0], places[k, i, 1], places[k, i, 2], places[k, i, 3]
-        t, met, mx, my = hit_prism(shapes, i, eye_m, ox, oy, c * dx - s * dy, s * dx + c * dy, dz)
+        t, side, mx, my = hit_prism(shapes, i, around.height_m, ox, oy, c * dx - s * dy, s * dx + c * dy, dz)
         if t < nearest - TIE_M:
-            nearest, found, face, nx, ny = t, i, met, mx, my
-    return nearest, found, face, nx, ny
-
-
-@kernel
-def _room_distance(room: Floats, eye: Point, ray: Point) -> float:
-    """t where a ray meets a wall of the room."""
-    t = math.inf
+            nearest, met, face, nx, ny = t, i, side, mx, my
+    # ball, floor and room in field space
+    viewer, ball, time = around.viewer, around.ball, around.samples[k, 2]
+    heading = viewer[2] + time * viewer[5]
+    c, s = math.cos(heading), math.sin(heading)
+    eye = viewer[0] + time * viewer[3], viewer[1] + time * viewer[4], around.height_m
+    ray = c * dx - s * dy, s * dx + c * dy, dz
+    t = hit_sphere((ball[0] + time * ball[2], ball[1] + time * ball[3], ball[4]), ball[4], eye, ray)
+    if t < nearest:
+        nearest, met = t, BALL
+    if dz < 0.0 and around.height_m / -dz < nearest:
+        nearest, met = around.height_m / -dz, FLOOR
     for axis in range(2):
         if ray[axis] != 0.0:
-            t = min(t, (math.copysign(room[axis], ray[axis]) - eye[axis]) / ray[axis])
-    return t
+            t = (math.copysign(around.room[axis], ray[axis]) - eye[axis]) / ray[axis]
+            if t < nearest:
+                nearest, met = t, ROOM
+    return met, nearest, face, nx, ny, (eye[0] + nearest * ray[0], eye[1] + nearest * ray[1], eye[2] + nearest * dz)

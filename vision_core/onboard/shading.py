@@ -22,7 +22,7 @@ from vision_core.capture.synthetic.sprites import (
 )
 from vision_core.geometry import Floats
 from vision_core.native.kernels import kernel
-from vision_core.onboard.prism_rays import BELOW, ON_TOP
+from vision_core.onboard.prism_rays import BELOW, ON_TOP, Point
 from vision_core.onboard.scene import Ground, Papers
 
 _lamp_light: Any = kernel(background.lamp_light)
@@ -35,8 +35,9 @@ SHADOW_X, SHADOW_Y = SHADOW_PER_HEIGHT
 
 
 @kernel
-def color_ball(color: Floats, ball: Floats, nx: float, ny: float, nz: float) -> None:
-    """Fill in the color of a point of the ball; nx, ny, nz: from the ball's center [m]. ball: as in ``Scene``."""
+def color_ball(color: Floats, ball: Floats, time: float, point: Point) -> None:
+    """Fill in the color of a point of the ball at a time. ball: as in ``Scene``."""
+    nx, ny, nz = point[0] - ball[0] - time * ball[2], point[1] - ball[1] - time * ball[3], point[2] - ball[4]
     factor, highlight = shade_ball((nx * LIGHT_X + ny * LIGHT_Y + nz * LIGHT_Z) / ball[4])
     for channel in range(3):
         color[channel] = factor * ball[5 + channel] + highlight
@@ -63,9 +64,10 @@ def color_prism(
 
 @kernel
 def color_floor_point(
-    color: Floats, shade: Floats, ground: Ground, casters: Floats, x: float, y: float, time: float
+    color: Floats, shade: Floats, ground: Ground, casters: Floats, point: Point, time: float
 ) -> None:  # fmt: skip
     """Fill in the color of a point of the floor at a time. shade: scratch; casters: ``Scene.shadow_casters``."""
+    x, y = point[0], point[1]
     material = floor_material(ground.venue, x, y, ground.lines, ground.arcs)
     shade_materials(shade, ground.venue, x, y)
     for channel in range(3):
