@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.onboard.scenes import Lab, lone_pair, orange, step_at
-from vision_core.onboard.truth import ball_share, first_solids
+from vision_core.onboard.truth import ball_share, first_solids, seen_ball
 from vision_core.settings.schema import Settings
 
 pytestmark = pytest.mark.slow  # renders whole pictures
@@ -49,8 +49,8 @@ def test_a_walls_top_appears_where_the_line_of_sight_over_it_meets_the_floor(lar
 
 @pytest.mark.parametrize(("x_m", "y_m"), [(0.35, 0.0), (0.0, 0.7)])
 def test_the_balls_size_and_place(large: Lab, x_m: float, y_m: float) -> None:
-    heading = 0.0
-    seen = orange(large.picture((0.0, 0.0, heading), ball=(x_m, y_m)))
+    own = 0.0, 0.0, 0.0
+    seen = orange(large.picture(own, ball=(x_m, y_m)))
     v, u = np.nonzero(seen)
     height, width = seen.shape
     forward, left = 0.5 * (height - 1) - v, 0.5 * (width - 1) - u
@@ -62,8 +62,11 @@ def test_the_balls_size_and_place(large: Lab, x_m: float, y_m: float) -> None:
     assert radii.min() == pytest.approx(nearest, abs=1.5)
     assert radii.max() == pytest.approx(farthest, abs=1.5)
     # the azimuth that it spans, and its direction
-    turned = np.arctan2(left, forward) - math.atan2(y_m, x_m)
-    assert np.abs(turned).max() == pytest.approx(math.asin(radius_m / d_m), abs=1.5 / farthest)
+    truth = seen_ball(large.scene(own, ball=(x_m, y_m)))
+    assert truth.distance_mm == pytest.approx(1000.0 * d_m)
+    assert truth.share == 1.0
+    turned = np.arctan2(left, forward) - math.radians(truth.direction_deg)
+    assert np.abs(turned).max() == pytest.approx(math.radians(0.5 * truth.size_deg), abs=1.5 / farthest)
     assert turned.mean() == pytest.approx(0.0, abs=0.5 / farthest)
 
 

@@ -16,6 +16,18 @@ heading in the field."""
 
 
 @kernel
+def viewpoints_of(viewer: Floats, times: Floats) -> Floats:
+    """x, y [m] of the viewer and cosine and sine of its heading at every time [s], shape (times, 4)."""
+    viewpoints = np.empty((len(times), 4))
+    for k in range(len(times)):
+        time = times[k]
+        heading = viewer[2] + time * viewer[5]
+        viewpoints[k, 0], viewpoints[k, 1] = viewer[0] + time * viewer[3], viewer[1] + time * viewer[4]
+        viewpoints[k, 2], viewpoints[k, 3] = math.cos(heading), math.sin(heading)
+    return viewpoints
+
+
+@kernel
 def places_of(solids: Table, viewer: Floats, times: Floats) -> Floats:
     """Every solid's place at every time [s], shape (times, solids, PLACE). viewer: a row as in ``physics``."""
     places = np.empty((len(times), len(solids), PLACE))

@@ -14,7 +14,7 @@ from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import Mirror
 from vision_core.onboard.mirror_shape import MirrorShape
 from vision_core.onboard.ray_tracer import DARK, Labels, Optics, label, trace
-from vision_core.onboard.scene import NEAREST_RADII, Scene, SceneMaker
+from vision_core.onboard.scene import Scene, SceneMaker
 from vision_core.settings.schema import S_PER_MS, Settings
 from vision_core.types.objects import Team
 
@@ -56,15 +56,12 @@ class OnboardCamera:
         self.rim_px = min((HEIGHT_PX / 2.0 - MARGIN_PX / 2.0) / fits, RIM_HORIZONS * self.mirror.horizon_px)
         """Radius of the mirror's rim in the picture [px of equation 1]."""
         self._maker = SceneMaker(settings, self.worn, self.row, self.shape)
+        self.nearest_floor_m = self._maker.nearest_floor_m
+        """The own chassis hides the floor nearer than this, see ``SceneMaker``."""
         vignetting, shape = settings.synthetic.vignetting, self.shape
         self._optics = Optics(shape.f_px, shape.a_m, shape.b_m, self.scale, self.rim_px, vignetting)
         self._samples = exposure_samples(settings.synthetic.exposure_ms * S_PER_MS)
         self._noise = SensorNoise(settings.synthetic, size_px[0] * size_px[1] * 3)
-
-    @property
-    def nearest_floor_m(self) -> float:
-        """The own chassis hides the floor up to this distance from the robot's center [m]; farther at its corners."""
-        return NEAREST_RADII * self._maker.own_radius_m
 
     def scene(self, snapshot: Snapshot) -> Scene:
         """What stands around the robot in a snapshot."""

@@ -17,7 +17,7 @@ from vision_core.capture.synthetic.floor import COLORS, HORIZON
 from vision_core.geometry import Bytes, Floats
 from vision_core.native.kernels import kernel
 from vision_core.onboard import mirror_shape
-from vision_core.onboard.azimuths import azimuths_of, find_candidates, places_of, shapes_of
+from vision_core.onboard.azimuths import azimuths_of, find_candidates, places_of, shapes_of, viewpoints_of
 from vision_core.onboard.prism_rays import MISSED, TIE_M, Point, hit_prism, hit_sphere
 from vision_core.onboard.scene import Scene
 from vision_core.onboard.shading import color_ball, color_floor_point, color_prism, lamps_at
@@ -55,7 +55,7 @@ class Around(NamedTuple):
     """Offsets of the rays in the picture and in time, shape (n, 3) [px, px, s]."""
     places: Floats
     shapes: Floats
-    viewer: Floats
+    viewpoints: Floats
     ball: Floats
     room: Floats
     height_m: float
@@ -72,7 +72,7 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
     around = _around(samples, scene)
     azimuths = azimuths_of(scene.solids, around.places)
     candidates = np.empty(len(azimuths), dtype=np.int64)
-    total, color, shade = np.zeros(3), np.zeros(3), np.empty(len(scene.ground.colors))
+    total, color = np.zeros(3), np.zeros(3)
     reach_px = math.sqrt(2.0) * np.abs(samples[:, :2]).max()
     corner = 0.25 * (height * height + width * width)
     for v in range(height):
@@ -82,7 +82,7 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
             margin = math.asin(reach_px / away) if away > CENTER_PX else math.pi
             count = find_candidates(candidates, azimuths, math.atan2(left, up), margin)
             total[:] = 0.0
-            inside = _add_rays(total, color, shade, up, left, optics, scene, around, candidates[:count])
+            inside = _add_rays(total, color, up, left, optics, scene, around, candidates[:count])
             lens = (1.0 - optics.vignetting * away * away / corner) / len(samples)
             outside = 1.0 - inside / len(samples)
             for channel in range(3):
@@ -115,16 +115,18 @@ def label(labels: Labels, ranges: Floats, optics: Optics, scene: Scene) -> None:
 
 @kernel
 def _around(samples: Floats, scene: Scene) -> Around:
-    places, shapes = places_of(scene.solids, scene.viewer, samples[:, 2]), shapes_of(scene.solids)
-    return Around(samples, places, shapes, scene.viewer, scene.ball, scene.ground.room, scene.height_m)
+    times = samples[:, 2].copy()
+    viewpoints, shapes = viewpoints_of(scene.viewer, times), shapes_of(scene.solids)
+    places = places_of(scene.solids, scene.viewer, times)
+    return Around(samples, places, shapes, viewpoints, scene.ball, scene.ground.room, scene.height_m)
 
 
 @kernel
 def _add_rays(
-    total: Floats, color: Floats, shade: Floats, up: float, left: float, optics: Optics, scene: Scene,
+    total: Floats, color: Floats, up: float, left: float, optics: Optics, scene: Scene,
     around: Around, candidates: NDArray[np.int64],
 ) -> int:  # fmt: skip
-    """Add the colors of a pixel's rays that meet the mirror to total; returns how many do. color, shade: scratch."""
+    """Add the colors of a pixel's rays that meet the mirror to total; returns how many do. color: scratch."""
     ball, ground, inside = scene.ball, scene.ground, 0
     for k in range(len(around.samples)):
         x, y = (up - around.samples[k, 1]) / optics.scale, (left - around.samples[k, 0]) / optics.scale
@@ -142,7 +144,7 @@ def _add_rays(
         elif met == BALL:
             color_ball(color, ball, around.samples[k, 2], point)
         elif met == FLOOR:
-            color_floor_point(color, shade, ground, scene.shadow_casters, point, around.samples[k, 2])
+            color_floor_point(color, ground, scene.shadow_casters, point, around.samples[k, 2])
         else:
             for channel in range(3):
                 color[channel] = ground.room[2 + channel]
@@ -170,10 +172,8 @@ def _first_hit(
         if t < nearest - TIE_M:
             nearest, met, face, nx, ny = t, i, side, mx, my
     # ball, floor and room in field space
-    viewer, ball, time = around.viewer, around.ball, around.samples[k, 2]
-    heading = viewer[2] + time * viewer[5]
-    c, s = math.cos(heading), math.sin(heading)
-    eye = viewer[0] + time * viewer[3], viewer[1] + time * viewer[4], around.height_m
+    viewpoints, ball, time = around.viewpoints, around.ball, around.samples[k, 2]
+    eye, c, s = (viewpoints[k, 0], viewpoints[k, 1], around.height_m), viewpoints[k, 2], viewpoints[k, 3]
     ray = c * dx - s * dy, s * dx + c * dy, dz
     t = hit_sphere((ball[0] + time * ball[2], ball[1] + time * ball[3], ball[4]), ball[4], eye, ray)
     if t < nearest:

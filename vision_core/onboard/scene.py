@@ -34,8 +34,8 @@ BAND = (0.35, 0.80)
 """From where to where the band in the team's color reaches, as shares of the robot's height."""
 NEAREST_RADII = 110.0 / 90.0
 """The nearest floor that is seen is so many times farther away than the rim of the robot: 110 mm of 90 mm."""
-HOUSING_SHARE = 0.055
-"""Radius of the camera's housing, as a share of the viewpoint's height."""
+HOUSING_RADII = 12.0 / 90.0
+"""Radius of the camera's housing, in the robot's radii: 12 mm of 90 mm."""
 LENS_SHARE, LENS_BGR = 0.45, (96.0, 70.0, 58.0)
 """The lens in the housing: its radius as a share of the housing's, and its color."""
 ROOM_M = 2.0
@@ -113,8 +113,9 @@ class SceneMaker:
         self._own_prisms = _own_body(self._prisms[own], shape)
         standing = [self._own_prisms[0] if place == own else prism for place, prism in enumerate(self._prisms)]
         self._robot_sizes = [(prism.radius, prism.height) for prism in standing]
-        self.own_radius_m = self._prisms[own].radius
-        """Of the viewer's outline, or half the side of a square one."""
+        chassis = self._own_prisms[0]
+        self.nearest_floor_m = chassis.radius * shape.h_m / (shape.h_m - chassis.height)
+        """The own chassis hides the floor up to this distance from the robot's center, at a square's corners more."""
 
     def scene(self, snapshot: Snapshot) -> Scene:
         """The scene of a snapshot."""
@@ -171,7 +172,7 @@ def _own_body(prism: Prism, shape: MirrorShape) -> tuple[Prism, Prism]:
     chassis_m = min(shape.h_m * (1.0 - 1.0 / NEAREST_RADII), prism.height)
     plain = np.array([PLATE_BGR, BODY_BGR], dtype=np.float64)
     chassis = prism._replace(height=chassis_m, colors=plain, patches=np.empty((0, 5)), corners=np.empty((0, 2)))
-    radius = HOUSING_SHARE * shape.h_m
+    radius = HOUSING_RADII * prism.radius
     lens = np.array([[0.0, 0.0, LENS_SHARE * radius, 0.0, 0.0]])
     dark = np.array([BODY_BGR, BODY_BGR, LENS_BGR], dtype=np.float64)
     return chassis, Prism(radius, math.inf, False, shape.pinhole_m, dark, lens, np.empty((0, 2)))

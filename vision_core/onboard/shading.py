@@ -7,7 +7,7 @@ the more it is turned to the lamps.
 from typing import Any, TypeAlias
 
 from vision_core.capture.synthetic import background
-from vision_core.capture.synthetic.floor import WOOD, color_clutter, floor_material, shade_materials
+from vision_core.capture.synthetic.floor import WOOD, color_clutter, floor_material, shade_of
 from vision_core.capture.synthetic.render import SHADOW_PER_HEIGHT, SHADOW_SOFTNESS_M
 from vision_core.capture.synthetic.sprites import (
     AMBIENT,
@@ -64,14 +64,14 @@ def color_prism(
 
 @kernel
 def color_floor_point(
-    color: Floats, shade: Floats, ground: Ground, casters: Floats, point: Point, time: float
+    color: Floats, ground: Ground, casters: Floats, point: Point, time: float
 ) -> None:  # fmt: skip
-    """Fill in the color of a point of the floor at a time. shade: scratch; casters: ``Scene.shadow_casters``."""
+    """Fill in the color of a point of the floor at a time. casters: ``Scene.shadow_casters``."""
     x, y = point[0], point[1]
     material = floor_material(ground.venue, x, y, ground.lines, ground.arcs)
-    shade_materials(shade, ground.venue, x, y)
+    shade = shade_of(material, ground.venue, x, y)
     for channel in range(3):
-        color[channel] = ground.colors[material, channel] * shade[material]
+        color[channel] = ground.colors[material, channel] * shade
     if material == WOOD:
         color_clutter(color, x, y, ground.clutter)
     if ground.venue.shadows > 0.0:

@@ -93,6 +93,33 @@ def _limit_distance(scene: Scene, cosine: float, sine: float) -> float:
     return leave
 
 
+@dataclass(frozen=True, slots=True)
+class SeenBall:
+    """Where the ball is seen, exactly."""
+
+    distance_mm: float
+    """On the floor, from the robot's center to the point on which the ball lies."""
+    direction_deg: float
+    """Anticlockwise from the heading, 0 <= direction < 360."""
+    size_deg: float
+    """The full azimuth that it spans; 180: the robot's center is over it."""
+    share: float
+    """``ball_share``."""
+
+
+def seen_ball(scene: Scene) -> SeenBall:
+    """The ball of a scene at mid-exposure."""
+    dx, dy = (scene.ball[:2] - scene.viewer[:2]).tolist()
+    distance, radius = math.hypot(dx, dy), float(scene.ball[4])
+    direction = math.degrees(math.atan2(dy, dx) - float(scene.viewer[2])) % 360.0
+    return SeenBall(
+        distance_mm=distance * MM_PER_M,
+        direction_deg=0.0 if direction >= 360.0 else direction,  # the remainder of -1e-17 rounds to 360
+        size_deg=180.0 if distance <= radius else math.degrees(2.0 * math.asin(radius / distance)),
+        share=ball_share(scene),
+    )
+
+
 def ball_share(scene: Scene) -> float:
     """The share of the ball's disc, as the viewpoint sees it, that no solid hides, 0..1; at mid-exposure."""
     eye = np.array([*scene.viewer[:2], scene.height_m])

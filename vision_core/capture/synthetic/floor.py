@@ -94,7 +94,7 @@ def color_floor(
             x, y = floor[v + 1, u + 1]
             ux, uy = (floor[v + 1, u + 2] - floor[v + 1, u]) * 0.5
             vx, vy = (floor[v + 2, u + 1] - floor[v, u + 1]) * 0.5
-            shade_materials(shade, venue, x, y)
+            _shade_materials(shade, venue, x, y)
             size = FOOTPRINT_PX * (abs(ux) + abs(uy) + abs(vx) + abs(vy))
             # most pixels show carpet only: one ray is enough
             if _is_plain_carpet(venue, x, y, size, lines, arcs):
@@ -239,20 +239,31 @@ def _on_line(half: float, x: float, y: float, lines: Floats, arcs: Floats) -> bo
 
 
 @kernel
-def shade_materials(shade: Floats, venue: Venue, x: float, y: float) -> None:
-    """Fill shade with a factor per material at a point: texture of carpet and wood, shadows of the walls."""
-    shade[:] = 1.0
-    shade[CARPET] += 0.05 * mottle(x, y, 0.007, 1) + 0.05 * mottle(x, y, 0.03, 2) + 0.05 * mottle(x, y, 0.4, 3)
-    shade[LINE] += 0.05 * mottle(x, y, 0.02, 4)
-    plank = math.floor(y / 0.09)
-    board = math.floor((x + 0.37 * (plank % 7)) / 0.6)
-    shade[WOOD] += 0.10 * _grain(board, plank, 5) + 0.03 * mottle(x * 0.1, y, 0.006, 6)
-    shade[BOARD_TOP] += 0.02 * mottle(x, y, 0.05, 7)
+def _shade_materials(shade: Floats, venue: Venue, x: float, y: float) -> None:
+    """Fill shade with a factor per material at a point, ``shade_of``."""
+    for material in range(len(shade)):
+        shade[material] = shade_of(material, venue, x, y)
+
+
+@kernel
+def shade_of(material: int, venue: Venue, x: float, y: float) -> float:
+    """Factor of a material's color at a point: texture of carpet and wood, shadows of the walls."""
+    if material == WOOD:
+        plank = math.floor(y / 0.09)
+        board = math.floor((x + 0.37 * (plank % 7)) / 0.6)
+        return 1.0 + (0.10 * _grain(board, plank, 5) + 0.03 * mottle(x * 0.1, y, 0.006, 6))
+    if material == BOARD_TOP:
+        return 1.0 + 0.02 * mottle(x, y, 0.05, 7)
+    if material == CARPET:
+        shade = 1.0 + (0.05 * mottle(x, y, 0.007, 1) + 0.05 * mottle(x, y, 0.03, 2) + 0.05 * mottle(x, y, 0.4, 3))
+    elif material == LINE:
+        shade = 1.0 + 0.05 * mottle(x, y, 0.02, 4)
+    else:
+        return 1.0
     if venue.walls:
         near = max(min(venue.half_x - abs(x), venue.half_y - abs(y)), 0.0)
-        dim = 1.0 - 0.6 * venue.shadows * math.exp(-near / 0.04)
-        shade[CARPET] *= dim
-        shade[LINE] *= dim
+        shade *= 1.0 - 0.6 * venue.shadows * math.exp(-near / 0.04)
+    return shade
 
 
 @kernel
