@@ -154,6 +154,16 @@ def test_outside_of_the_mirror_it_is_dark(bare: Lab) -> None:
     assert outside == pytest.approx(18.0)
 
 
+def test_a_virtual_limit_is_a_line_that_begins_at_the_limit() -> None:
+    lab = Lab(lone_pair(field_preset="ssl-division-b"), (640, 480))
+    picture = lab.picture((0.0, 2.9, 0.0))
+    line = 0.5 * (lab.px_of(580.0) + lab.px_of(590.0))
+    radii = np.arange(line - 4.0, line + 4.1, 0.25)
+    red = lab.along(picture, 90.0, radii)[:, 2]
+    assert red.max() > red.min() + 60.0
+    assert radii[int(red.argmax())] == pytest.approx(line, abs=0.75)
+
+
 def test_larger_pictures_show_the_same(bare: Lab, large: Lab) -> None:
     poses = (0.1, 0.2, 0.7), (0.6, 0.1, 2.0)
     small = bare.picture(*poses).astype(np.float64)

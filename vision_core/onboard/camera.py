@@ -1,5 +1,6 @@
 """A robot's on-board camera in the simulated match: pictures of snapshots, and the match at the camera's rate."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,7 +10,7 @@ from vision_core.capture.synthetic.render import exposure_samples
 from vision_core.capture.synthetic.world import Snapshot, World
 from vision_core.client.panorama import HEIGHT_PX, MARGIN_PX, WIDTH_PX
 from vision_core.errors import SettingsError
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, rotation
 from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import Mirror
 from vision_core.onboard.mirror_shape import MirrorShape
@@ -22,6 +23,9 @@ SIZE_PX = (WIDTH_PX, HEIGHT_PX)
 """The paper's picture: where its mirror fits in, a pixel of it is one of equation 1."""
 MAX_SIDE_PX = 4096
 RATE_HZ = 30.0
+SAMPLE_TURN_RAD = math.atan(0.25)
+"""The 4x4 rays of a pixel are turned so far that they lie in 16 different rows and columns: far lines, much thinner
+than a pixel, are met by about as many rays in every pixel."""
 RIM_HORIZONS = 1.25
 """The mirror's rim lies 2 px of the paper's picture inside of its border, at most so many radii of the horizon out."""
 
@@ -61,6 +65,7 @@ class OnboardCamera:
         vignetting, shape = settings.synthetic.vignetting, self.shape
         self._optics = Optics(shape.f_px, shape.a_m, shape.b_m, self.scale, self.rim_px, vignetting)
         self._samples = exposure_samples(settings.synthetic.exposure_ms * S_PER_MS)
+        self._samples[:, :2] = self._samples[:, :2] @ rotation(SAMPLE_TURN_RAD)
         self._noise = SensorNoise(settings.synthetic, size_px[0] * size_px[1] * 3)
 
     def scene(self, snapshot: Snapshot) -> Scene:
