@@ -146,13 +146,10 @@ def _where_they_go(target: "Layer | None", *, saved: bool) -> str:
 
 def _missing_classes(settings: "Settings", just_sampled: str) -> list[str]:
     """Color classes that the ball and the robots' patterns need and the settings do not define."""
-    from vision_core.patterns.worn import colors_of_team
-    from vision_core.types.objects import Team
+    from vision_core.patterns.worn import colors_of, patterns_by_team
     from vision_core.venues.rules import class_names
 
-    needed = dict.fromkeys([settings.ball.color, *settings.ball.surrounding])
-    for team in Team:
-        needed |= dict.fromkeys(colors_of_team(settings.robots, team))
+    needed = colors_of(patterns_by_team(settings.robots), settings.ball.color, *settings.ball.surrounding)
     return [color for color in needed if color not in (just_sampled, *class_names(settings))]
 
 

@@ -1,24 +1,20 @@
 """The task follow tells the light in force, goes back to the set-up and forth again; others see with what it told."""
 
-import os
 from collections.abc import Iterator
 
 import msgspec
 import numpy as np
 import pytest
 
-from vision_core.clock import Instant, MonotonicClock
+from tests.tasks.stage import Stage
+from vision_core.clock import Instant
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.pipeline.live_colors import LiveColors
 from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import LiveSettings
-from vision_core.rtdb.store import create_block
-from vision_core.scheduling.attachment import Attachment, ChildResources
-from vision_core.scheduling.handle import Handle
-from vision_core.scheduling.releases import IDLE, Release, StepResult
+from vision_core.scheduling.releases import IDLE, StepResult
 from vision_core.tasks import follow
-from vision_core.tasks.table import record_specs, task_table
 from vision_core.types.palette import LivePalette
 from vision_core.venues.loader import load_settings
 
@@ -29,27 +25,18 @@ CAMERA = CameraSetup.from_settings(SETTINGS)
 CARPET = np.array(SETTINGS.colors.light.reference_bgr)
 
 
-class Stage:
-    """The task on a real-time database, without a supervisor."""
+class Following(Stage):
+    """The task follow, shown the carpet alone."""
 
     def __init__(self) -> None:
-        tasks = {task.name: task for task in task_table(SETTINGS)}
-        specs = record_specs(SETTINGS, tuple(tasks.values()), tuple(tasks))
-        self.block = create_block(specs)
-        self.clock = MonotonicClock()
-        attachment = Attachment(ChildResources("diagnose", os.getpid(), 0, self.block, specs, None, {}, {}))
-        self.store = attachment.store
-        self.handle = Handle(tasks["follow"], attachment, SETTINGS, CAMERA)
-        self.step = follow.start(self.handle)
-        self.frames = self.store.writer("frames/main")
+        super().__init__(follow, SETTINGS)
         self.live = records.LIVE_SETTINGS.writer(self.store)
 
     def see(self, share: float) -> StepResult:
-        """A step with a picture of the carpet alone, in a share of the light."""
-        picture, now = np.zeros(CAMERA.shape, dtype=np.uint8), self.clock.now()
+        """A step with the carpet in a share of the light."""
+        picture = np.zeros(CAMERA.shape, dtype=np.uint8)
         picture[:] = (CARPET * share).round()
-        self.frames.write(picture.tobytes(), now, now)
-        return self.step(Release(now, now))
+        return self.show(picture)
 
     def adapt(self, wanted: bool) -> None:
         light = msgspec.structs.replace(SETTINGS.colors.light, adapt=wanted)
@@ -62,13 +49,13 @@ class Stage:
 
 
 @pytest.fixture
-def stage() -> Iterator[Stage]:
-    made = Stage()
+def stage() -> Iterator[Following]:
+    made = Following()
     yield made
-    os.close(made.block)
+    made.close()
 
 
-def test_a_light_that_has_settled_is_told_and_can_be_taken_back(stage: Stage) -> None:
+def test_a_light_that_has_settled_is_told_and_can_be_taken_back(stage: Following) -> None:
     assert (stage.told().light.gain_bgr, stage.told().changes, stage.told().held) == ((1.0, 1.0, 1.0), (), False)
     stage.see(1.0)
     stage.see(0.5)
@@ -89,7 +76,7 @@ def test_a_light_that_has_settled_is_told_and_can_be_taken_back(stage: Stage) ->
     assert stage.told().light.gain_bgr == (1.0, 1.0, 1.0)
 
 
-def test_perception_sees_in_the_light_that_is_told(stage: Stage) -> None:
+def test_perception_sees_in_the_light_that_is_told(stage: Following) -> None:
     perception = Perception(SETTINGS, CAMERA)
     colors = LiveColors(perception, records.palette("main").reader(stage.store))
     dim = np.zeros(CAMERA.shape, dtype=np.uint8)

@@ -25,14 +25,14 @@ from vision_core.objects.robots.shape_search import Candidate, find_candidates
 from vision_core.objects.robots.template import NEUTRAL, Template, disc_template, template_of
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.patterns.pattern import TEAM, Pattern
-from vision_core.patterns.worn import colors_of_team, worn_patterns
+from vision_core.patterns.worn import colors_of, patterns_by_team, worn_patterns
 from vision_core.pipeline.perception import Perception
-from vision_core.pipeline.suggestions import NOTHING, Suggestions
+from vision_core.pipeline.suggestions import Suggestions
 from vision_core.settings.schema import LightSettings, Settings
 from vision_core.types.colors import ColorTable, Light
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
-from vision_core.types.tables import TEAMS, Table
+from vision_core.types.tables import TEAMS, SightingsTable, Table
 
 BALL = -1
 """Index of the ball beside the teams."""
@@ -91,14 +91,12 @@ class Judged:
 
 
 def paints_of(settings: Settings) -> tuple[str, ...]:
-    """The color classes that the robots and the ball of some settings need, the teams' first.
+    """The color classes that the robots and the ball of some settings need, the teams' first, the ball's last.
 
     Raises SettingsError for a pattern that cannot be read.
     """
-    names: dict[str, None] = dict.fromkeys(str(team) for team in TEAMS)
-    for team in TEAMS:
-        names |= dict.fromkeys(colors_of_team(settings.robots, team))
-    return tuple(names | {settings.ball.color: None})
+    worn = colors_of(patterns_by_team(settings.robots))
+    return tuple(dict.fromkeys((*map(str, TEAMS), *worn, settings.ball.color)))
 
 
 class Trial:
@@ -158,18 +156,22 @@ class Trial:
 
     def read(self, picture: Picture) -> Judged:
         """What the palette reads in a picture, with the robots that only their shape shows; takes its time."""
-        robots = self.judge(picture).robots
-        poses = self._perception.shape_search.beside(lambda look: self.shapes(picture, self.kinds[look]), robots)
-        self._perception.suggest(Suggestions(picture.scene.plain, poses))
-        judged = self.judge(picture)
-        self._perception.suggest(NOTHING)
-        return judged
+        perception, seen = self._perception, self._seen_in(picture)
+        poses = perception.shape_search.beside(lambda look: self.shapes(picture, self.kinds[look]), perception.robots)
+        perception.confirm(Suggestions(picture.scene.plain, poses))
+        return self._judged(picture, seen)
 
     def judge(self, picture: Picture) -> Judged:
         """What the palette reads in a picture by its blobs."""
+        return self._judged(picture, self._seen_in(picture))
+
+    def _seen_in(self, picture: Picture) -> SightingsTable:
         frame = ImageFrame(self.camera.name, 1, Instant(0), picture.pixels)
-        seen = self._perception.perceive_lit(frame, ManualClock()).whole[0]
-        robots, balls = seen["robots"][: seen["counts"][0]].copy(), seen["balls"][: seen["counts"][1]].copy()
+        return self._perception.perceive_lit(frame, ManualClock())
+
+    def _judged(self, picture: Picture, seen: SightingsTable) -> Judged:
+        counts = seen.counts.tolist()
+        robots, balls = seen.robots[: counts[0]].copy(), seen.balls[: counts[1]].copy()
         evidence, score = np.zeros(len(robots)), 0.0
         for number, robot in enumerate(robots):
             kind = self.kind_of(robot)

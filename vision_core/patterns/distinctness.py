@@ -20,6 +20,7 @@ from vision_core.patterns.geometry import (
     width_mm,
 )
 from vision_core.patterns.pattern import Pattern, looks
+from vision_core.patterns.worn import colors_of
 from vision_core.types.objects import Team
 
 MIN_PX = 5.0
@@ -63,7 +64,6 @@ class PatternReport:
 def report_on(pattern: Pattern) -> PatternReport:
     """The figures of a pattern."""
     turns = turns_onto(pattern.patches, pattern.patches)
-    colors = dict.fromkeys(color for _, _, worn in looks(pattern) for color in worn)
     return PatternReport(
         name=pattern.name,
         ids=len(pattern.code.ids),
@@ -71,7 +71,7 @@ def report_on(pattern: Pattern) -> PatternReport:
         fewest_differences=_fewest_differences(pattern, [places for _, places in turns]),
         rival=nearest_rival(pattern, pattern),
         smallest_mm=min(width_mm(patch) for layout in pattern.layouts for patch in layout),
-        colors=tuple(colors),
+        colors=colors_of(dict.fromkeys(Team, (pattern,))),
     )
 
 

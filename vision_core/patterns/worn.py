@@ -1,6 +1,6 @@
 """The patterns that the robots of a team wear, by the settings."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Mapping
 
 import msgspec
 
@@ -35,11 +35,19 @@ def pattern_with_id(patterns: tuple[Pattern, ...], marker_id: int) -> Pattern | 
     return next((pattern for pattern in patterns if marker_id in pattern.code_by_id), None)
 
 
-def colors_of_team(robots: RobotSettings, team: Team) -> Iterator[str]:
-    """The color classes that the robots of a team wear, the team's own among them; each perhaps more than once."""
-    for pattern in worn_patterns(robots, team):
-        for number in pattern.code_by_id:
-            yield from pattern.colors_worn(team, number)
+def patterns_by_team(robots: RobotSettings) -> dict[Team, tuple[Pattern, ...]]:
+    """The patterns of both teams. Raises SettingsError as ``worn_patterns``."""
+    return {team: worn_patterns(robots, team) for team in Team}
+
+
+def colors_of(patterns: Mapping[Team, Iterable[Pattern]], *ball: str) -> tuple[str, ...]:
+    """The color classes that ball and robots need, each once. ball: its classes, which come first."""
+    colors = dict.fromkeys(ball)
+    for team, worn in patterns.items():
+        for pattern in worn:
+            for number in pattern.code_by_id:
+                colors |= dict.fromkeys(pattern.colors_worn(team, number))
+    return tuple(colors)
 
 
 def _with_ids(pattern: Pattern, ids: tuple[int, ...]) -> Pattern:

@@ -13,9 +13,10 @@ from vision_core.native.kernels import box
 from vision_core.objects.ball.reasons import explain_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import RobotFinder
+from vision_core.objects.robots.held import held_robots
 from vision_core.objects.robots.reasons import explain_robots
 from vision_core.objects.robots.scene import Scene
-from vision_core.pipeline.perception import Perception, perceive_picture
+from vision_core.pipeline.perception import ALONE, Perception, perceive_picture
 from vision_core.regions.exposure import exposure_reasons, field_pixels
 from vision_core.regions.lines import line_check
 from vision_core.regions.picture_kind import kind_reasons
@@ -103,11 +104,13 @@ def scene_of(perception: Perception) -> Scene:
         searched=perception.table.classes,
         prefilter=prefilter_from(perception.table),
         expected=np.zeros_like(perception.context.expected),
+        held=held_robots(),
     )
     blobs, seen = np.zeros_like(perception.blobs), SightingsTable()
 
     def search(finder: RobotFinder) -> tuple[int, Table]:
-        count = perceive_picture(perception.pixels, -1.0, box(context._replace(robots=finder)), blobs, seen.whole)
+        boxed = box(context._replace(robots=finder))
+        count, _ = perceive_picture(perception.pixels, ALONE, boxed, blobs, seen.whole)
         return count, seen.robots[: seen.counts[0]].copy()
 
     count, _ = search(context.robots)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from vision_core.clock import Instant
-from vision_core.objects.robots.confirmation import SUGGESTED
+from vision_core.objects.robots.confirmation_buffers import SUGGESTED
 from vision_core.pipeline.perception import Perception
-from vision_core.pipeline.suggestions import NOTHING, Suggestions
+from vision_core.pipeline.suggestions import Suggestions
 from vision_core.rtdb.items import ItemReader
 from vision_core.types.suggestions import LiveSuggestions
 
@@ -24,13 +24,10 @@ class SuggestedRobots:
         self._used = 0
 
     def refresh(self, now: Instant) -> None:
-        """Take over what is new, and forget what is too old."""
+        """Look from the next image on where the newest record says."""
         if self._suggestions.sequence == self._used:
             return
         self._used = self._suggestions.sequence
-        live = self._suggestions.read(now)
-        if live is None:
-            self._perception.suggest(NOTHING)
-        else:
+        if (live := self._suggestions.read(now)) is not None:
             poses = np.array(list(live.value.poses), dtype=SUGGESTED)
             self._perception.suggest(Suggestions(np.array(live.value.plain), poses))

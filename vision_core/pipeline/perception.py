@@ -27,8 +27,10 @@ from vision_core.models.mirror import MM_PER_M
 from vision_core.native.kernels import Boxed, box, kernel, read_only
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.observation import Observation
-from vision_core.objects.robots.confirmation import Shapes, confirm_robots, shapes_from
+from vision_core.objects.robots.confirmation import confirm_robots
+from vision_core.objects.robots.confirmation_buffers import shapes_from
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
+from vision_core.objects.robots.held import HeldRobots, follow_robots, held_robots, hold_read
 from vision_core.patterns.geometry import width_mm
 from vision_core.patterns.pattern import CODE, TEAM, Pattern
 from vision_core.patterns.worn import worn_patterns
@@ -46,6 +48,8 @@ MAX_ROBOT_M_S, MAX_BALL_M_S = 4.0, 10.0
 """Highest speeds: they determine the size of the windows."""
 MAX_GAP_S = 0.1
 """After a longer gap the whole frame is searched."""
+ALONE = -1.0
+"""Gap before a picture without relation to the last one [s]."""
 MAX_MISSED_FRAMES = 60
 """Frames for which a robot that vanished is still expected, and so searched in the whole frame."""
 BALL_KIND = 2
@@ -66,7 +70,7 @@ class PerceptionContext(NamedTuple):
     camera: CameraMap
     segment: SegmentBuffers
     robots: RobotFinder
-    shapes: Shapes
+    held: HeldRobots
     balls: BallFinder
     heights_m: Floats
     """Of the markers of blue, of yellow, and of the ball, shape (3,)."""
@@ -79,11 +83,12 @@ class PerceptionContext(NamedTuple):
 
 
 @kernel
-def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, seen: Table) -> int:
-    """Replace the sightings of the last frame, gap_s ago, by those of this one; returns the number of blobs.
+def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, seen: Table) -> tuple[int, bool]:
+    """Replace the sightings of the last frame, gap_s ago, by those of this one.
 
-    gap_s: negative for a picture without relation to the last one; boxed: PerceptionContext; blobs: output, BLOB,
-    shape (n,); seen: SIGHTINGS, shape (1,).
+    Returns the number of blobs, and whether a robot of the last frames is missing. gap_s: negative for a picture
+    without relation to the last one; boxed: PerceptionContext; blobs: output, BLOB, shape (n,); seen: SIGHTINGS,
+    shape (1,).
     """
     context: PerceptionContext = boxed.value
     frame, expected = seen[0], context.expected[0]
@@ -101,18 +106,25 @@ def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, se
         expected.robots, expected.missed_frames = frame.counts[0], 0
     else:
         expected.missed_frames += 1
-    return count
+    return count, follow_robots(context.held, gap_s, frame.robots, frame.counts[0])
 
 
 @kernel
-def confirm_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, seen: Table) -> None:
-    """Add the robots to a frame's sightings that their shape shows; the same arguments as ``perceive_picture``."""
+def confirm_picture(
+    pixels: Bytes, gap_s: float, boxed: Boxed, shapes: Boxed, blobs: Table, seen: Table
+) -> None:  # fmt: skip
+    """Add the robots to a frame's sightings that their shape shows, where one is missing or suggested.
+
+    It is seldom called; within ``perceive_picture`` it would take long to compile. shapes: Shapes; the other arguments
+    are those of ``perceive_picture``, which was called before.
+    """
     context: PerceptionContext = boxed.value
     frame = seen[0]
     observation = Observation(blobs, 0, pixels, context.classes, context.camera)
     frame.counts[0] = confirm_robots(
-        observation, context.robots, context.shapes, gap_s, frame.robots, frame.counts[0]
+        observation, context.robots, shapes.value, context.held, frame.robots, frame.counts[0]
     )  # fmt: skip
+    hold_read(context.held, gap_s, frame.robots, frame.counts[0])
 
 
 @kernel
@@ -182,6 +194,7 @@ class Perception:
         self._colors = _ColorMemory(self.table)
         self.lighting = Lighting(settings, camera)
         self.context = self._context()
+        self._shapes = shapes_from(settings, self.context.robots.markers)
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
         self.blob_count = 0
         """How many blobs the last frame has: the first rows of ``blobs``."""
@@ -197,10 +210,15 @@ class Perception:
         """``context`` as an argument of kernels; made at the first frame, so that settings are checked without it."""
         return box(self.context)
 
+    @cached_property
+    def _boxed_shapes(self) -> Boxed:
+        return box(self._shapes)
+
     def warm_up(self) -> None:
         """Load or compile the kernels, so that no frame waits for it."""
         dark = ImageFrame(self.camera.name, 0, Instant(0), self.camera.black_image())
         self.perceive(dark, ManualClock())
+        self.confirm(NOTHING)
         self.lighting.warm_up()
 
     def recolor(self, table: ColorTable) -> None:
@@ -221,34 +239,42 @@ class Perception:
         """The same for a frame that is in the light of the settings."""
         return self._seen_in(frame, frame.pixels, clock)
 
-    def suggest(self, suggestions: Suggestions) -> None:
-        """Look for robots at these poses too, in the next frames until others are suggested."""
-        shapes = self.context.shapes
-        count = len(suggestions.poses)
-        shapes.plain[:] = suggestions.plain
-        shapes.suggested[:count] = suggestions.poses
-        shapes.counts[0] = count
+    def perceive_alone(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
+        """The same for a single picture: no robot of the frames before is held."""
+        self._last = frame.grabbed
+        return self.perceive(frame, clock)
 
     def perceive_still(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
         """What the running service sees of a standing picture: its slow search for shapes has had its time.
 
         The next call overwrites the table.
         """
-        self.perceive(frame, clock)
-        self.unseen_robots(frame, clock)
-        return self._seen
+        seen = self.perceive_alone(frame, clock)
+        self.unseen_robots()
+        return seen
 
-    def unseen_robots(self, frame: ImageFrame, clock: Clock) -> Suggestions:
-        """The robots of the frame that was perceived last that its blobs do not show, added to ``robots``.
+    def suggest(self, suggestions: Suggestions) -> None:
+        """Look for robots at these poses too, in the next frames until others are suggested."""
+        count = len(suggestions.poses)
+        self._shapes.plain[:] = suggestions.plain
+        self._shapes.suggested[:count] = suggestions.poses
+        self._shapes.size[0] = count
+
+    def confirm(self, suggestions: Suggestions) -> Table:
+        """Look for robots at these poses in the last frame, too; returns all of its robots, like ``robots``."""
+        self.suggest(suggestions)
+        self._confirm(ALONE)
+        self.suggest(NOTHING)
+        return self.robots
+
+    def unseen_robots(self) -> Suggestions:
+        """The robots of the last frame that its blobs do not show, added to ``robots``.
 
         It takes a fraction of a second.
         """
         before = self.robots.copy()
         suggested = self.shape_search.suggest(self.pixels, before)
-        self.suggest(suggested)
-        self._seen_in(frame, self.pixels, clock)
-        self.suggest(NOTHING)
-        return Suggestions(suggested.plain, self.shape_search.new_poses(before, self.robots))
+        return Suggestions(suggested.plain, self.shape_search.new_poses(before, self.confirm(suggested)))
 
     @property
     def robots(self) -> Table:
@@ -260,16 +286,20 @@ class Perception:
     @cached_property
     def shape_search(self) -> ShapeSearch:
         """The slow search for robots that blobs do not show."""
-        return ShapeSearch(self.settings, self.camera, self.context.robots.markers, self.context.shapes)
+        return ShapeSearch(self.settings, self.camera, self.context.robots.markers, self._shapes)
 
     def _seen_in(self, frame: ImageFrame, lit: Bytes, clock: Clock) -> SightingsTable:
-        pixels = read_only(lit)
-        gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else -1.0
-        self.blob_count = perceive_picture(pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
-        confirm_picture(pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
-        self.raw, self.pixels, self._last = frame.pixels, pixels, frame.grabbed
+        self.raw, self.pixels = frame.pixels, read_only(lit)
+        gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else ALONE
+        self._last = frame.grabbed
+        self.blob_count, is_missing = perceive_picture(self.pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
+        if is_missing or self._shapes.size[0]:
+            self._confirm(gap_s)
         self._seen.stamp(frame.camera, frame.number, frame.grabbed, clock.now())
         return self._seen
+
+    def _confirm(self, gap_s: float) -> None:
+        confirm_picture(self.pixels, gap_s, self._boxed, self._boxed_shapes, self.blobs, self._seen.whole)
 
     def _context(self) -> PerceptionContext:
         settings = self.settings
@@ -289,7 +319,7 @@ class Perception:
             camera=camera_map_from(self.camera.model),
             segment=segment_buffers(*self.camera.size_px, settings.blobs, rows_apart, bits_of(self.camera.masked)),
             robots=robots,
-            shapes=shapes_from(settings, robots.markers),
+            held=held_robots(),
             balls=ball_finder(settings, table),
             heights_m=np.array([*(shape.height_m for shape in shapes), radius]),
             radii_m=np.array([*(2.0**0.5 * shape.radius_m for shape in shapes), radius]),

@@ -11,19 +11,14 @@ from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.camera_kernels import camera_map_from
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
-from vision_core.objects.robots.confirmation import (
-    MAX_SUGGESTED,
-    OVERLAP,
-    SUGGESTED,
-    SUGGESTED_SCORE,
-    Shapes,
-    marker_with,
-)
+from vision_core.objects.robots.confirmation import OVERLAP, SUGGESTED_SCORE
+from vision_core.objects.robots.confirmation_buffers import MAX_SUGGESTED, SUGGESTED, Shapes
+from vision_core.objects.robots.held import is_read
 from vision_core.objects.robots.marker_shape import scene_of
 from vision_core.objects.robots.markers import Marker
 from vision_core.objects.robots.shape_search import Candidate, find_candidates
 from vision_core.settings.schema import Settings
-from vision_core.types.tables import NO_ID, Table
+from vision_core.types.tables import Table
 
 
 class Suggestions(NamedTuple):
@@ -44,6 +39,11 @@ class ShapeSearch:
     def __init__(self, settings: Settings, camera: CameraSetup, markers: tuple[Marker, ...], shapes: Shapes) -> None:
         self._camera, self._map = camera, camera_map_from(camera.model)
         self._markers, self._shapes = markers, shapes
+        self._look_of = {
+            (marker.team, number): look
+            for marker, look in zip(markers, shapes.looks.tolist(), strict=True)
+            for number in marker.ids.tolist()
+        }
         self._half_extent_m = accepted_half_extent(settings.field)
         self._floor = field_samples(camera.model, settings.field, camera.size_px, -settings.field.margin_m)
 
@@ -66,7 +66,7 @@ class ShapeSearch:
         search: what looks like a marker, by its number.
         """
         rows: list[tuple[float, ...]] = []
-        known = [robot for robot in read if robot["id"] != NO_ID and not math.isnan(robot["heading_rad"])]
+        known = [robot for robot in read if is_read(robot)]
         place = 0
         for look in sorted({int(look) for look in self._shapes.looks}):
             apart = OVERLAP * self._markers[look].radius_m
@@ -80,13 +80,12 @@ class ShapeSearch:
 
     def new_poses(self, before: Table, robots: Table) -> Table:
         """The poses of robots that were not read before: SUGGESTED. before, robots: ROBOT."""
-        known = {(int(robot["team"]), int(robot["id"])) for robot in before if robot["id"] != NO_ID}
-        rows: list[tuple[float, ...]] = []
-        for robot in robots:
-            team, number = int(robot["team"]), int(robot["id"])
-            if number != NO_ID and (team, number) not in known and not math.isnan(robot["heading_rad"]):
-                look = int(self._shapes.looks[marker_with(self._markers, team, number)])
-                rows.append((len(rows), look, robot["x_m"], robot["y_m"], robot["heading_rad"]))
+        known = {(robot["team"], robot["id"]) for robot in before if is_read(robot)}
+        new = [robot for robot in robots if is_read(robot) and (robot["team"], robot["id"]) not in known]
+        rows = [
+            (place, self._look_of[robot["team"], robot["id"]], robot["x_m"], robot["y_m"], robot["heading_rad"])
+            for place, robot in enumerate(new)
+        ]
         return np.array(rows, dtype=SUGGESTED)
 
     def _is_masked(self, look: int, x_m: float, y_m: float) -> bool:

@@ -6,8 +6,10 @@ import msgspec
 
 from vision_core.errors import SettingsError
 from vision_core.patterns.loader import load_pattern
-from vision_core.patterns.pattern import Pattern, looks
+from vision_core.patterns.pattern import Pattern
+from vision_core.patterns.worn import colors_of
 from vision_core.setup.draft import MAX_SAMPLES, NOTHING, Draft
+from vision_core.types.objects import Team
 from vision_core.venues.presets import field_of, shipped
 
 ALIKE = 24
@@ -34,10 +36,8 @@ def with_pattern(draft: Draft, name: str) -> Draft:
 
 def needed_colors(draft: Draft) -> list[str]:
     """The classes that the ball and the markers need, the ball's first."""
-    colors = dict.fromkeys([draft.ball_color])
-    if draft.pattern:
-        colors |= dict.fromkeys(color for _, _, worn in looks(load_pattern(draft.pattern)) for color in worn)
-    return list(colors)
+    patterns = (load_pattern(draft.pattern),) if draft.pattern else ()
+    return list(colors_of(dict.fromkeys(Team, patterns), draft.ball_color))
 
 
 def missing_colors(draft: Draft) -> list[str]:

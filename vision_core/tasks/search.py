@@ -1,9 +1,11 @@
 """Task: images -> robots that the blobs do not show. The task ``perceive`` looks for them there from its next image on.
 
-Searching a picture for the shapes of markers takes a fraction of a second. So it is done when fewer robots are read
-than lately, and otherwise once in a while.
+Searching a picture for the shapes of markers takes a fraction of a second. So it is done when the blobs of an image
+show fewer robots than there were lately, and otherwise once in a while. Each image is judged alone: a robot that this
+task holds from image to image may be lost to ``perceive``.
 """
 
+from vision_core.objects.robots.held import is_read
 from vision_core.pipeline.live_colors import LiveColors
 from vision_core.pipeline.live_suggestions import live_from
 from vision_core.pipeline.perception import Perception
@@ -11,12 +13,11 @@ from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.latest_image import Images
 from vision_core.scheduling.releases import IDLE, RAN, Release, StepResult
-from vision_core.types.tables import NO_ID
 
 REST = 10
 """Where all robots are read, one image of so many is searched."""
 REMEMBERED = 60
-"""Images for which the largest number of robots that were read is remembered."""
+"""Images for which the largest number of robots, read or found by their shape, is remembered."""
 
 
 def start(handle: Handle) -> Step:
@@ -38,8 +39,8 @@ def start(handle: Handle) -> Step:
             return IDLE
         last = image.number
         colors.refresh(handle.clock.now())
-        perception.perceive(image, handle.clock)
-        read = int((perception.robots["id"] != NO_ID).sum())
+        perception.perceive_alone(image, handle.clock)
+        read = sum(map(is_read, perception.robots))
         age += 1
         if read >= most or age > REMEMBERED:
             most, age = read, 0
@@ -47,8 +48,9 @@ def start(handle: Handle) -> Step:
         if read >= most and rest > 0:
             return RAN
         rest = REST
-        found = perception.unseen_robots(image, handle.clock)
-        most = max(most, read + len(found.poses))
+        found = perception.unseen_robots()
+        if read + len(found.poses) >= most:
+            most, age = read + len(found.poses), 0
         writer.write(live_from(found), image.grabbed, handle.clock.now())
         return RAN
 

@@ -10,4 +10,4 @@ class LiveSuggestions:
     plain: tuple[float, float, float]
     """What the floor looks like, see ``objects.robots.marker_shape.Scene``."""
     poses: tuple[tuple[int, int, float, float, float], ...]
-    """Place, marker, x [m], y [m], heading [rad], see ``objects.robots.confirmation.SUGGESTED``."""
+    """Place, marker, x [m], y [m], heading [rad], see ``objects.robots.confirmation_buffers.SUGGESTED``."""

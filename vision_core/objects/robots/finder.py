@@ -24,7 +24,7 @@ from vision_core.objects.robots.marker_weighing import weigh_hypotheses
 from vision_core.objects.robots.markers import Marker, marker_of
 from vision_core.objects.robots.pose_refinement import refine_pose
 from vision_core.patterns.pattern import Pattern
-from vision_core.patterns.worn import colors_of_team, worn_patterns
+from vision_core.patterns.worn import colors_of, patterns_by_team
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
 from vision_core.types.tables import NO_ID, TEAMS, Table
@@ -50,12 +50,12 @@ def markers_of(
 ) -> tuple[Marker, ...]:
     """The markers of both teams, blue's first, with changed patterns. Raises SettingsError as ``robot_finder``."""
     found: list[Marker] = []
-    for team in TEAMS:
+    for team, patterns in patterns_by_team(settings.robots).items():
         robots, tolerance_m = robots_of(settings.robots, team), settings.robots.dot_tolerance_m
-        colors = np.isin(table.names, list(colors_of_team(settings.robots, team)))
+        colors = np.isin(table.names, colors_of({team: patterns}))
         found += [
             marker_of(change(pattern), robots, team, len(found) + place, table, tolerance_m, colors)
-            for place, pattern in enumerate(worn_patterns(settings.robots, team))
+            for place, pattern in enumerate(patterns)
         ]
     return tuple(found)
 
