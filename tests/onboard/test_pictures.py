@@ -30,7 +30,7 @@ def test_a_walls_foot_appears_at_the_radius_of_equation_1(bare: Lab, distance_m:
     expected = bare.px_of(1000.0 * distance_m)
     radii = np.arange(expected - 4.0, expected + 2.6, 0.25)
     red = bare.along(picture, 90.0, radii)[:, 2]
-    assert step_at(red, radii) == pytest.approx(expected, abs=0.5)
+    assert step_at(red, radii) == pytest.approx(expected, abs=0.2)
 
 
 def test_a_walls_top_appears_where_the_line_of_sight_over_it_meets_the_floor(large: Lab) -> None:
