@@ -13,7 +13,8 @@ import numpy as np
 
 from bench.runner import Row
 from vision_core.calibration.mirror.fit import FocalPrior, fit_mirror, jacobian, radii_of
-from vision_core.calibration.mirror.pairs import Pairs, Rounding
+from vision_core.calibration.mirror.pairs import Pairs
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.geometry import Floats, Mask
 from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import PAPER_MIRROR, Mirror

@@ -1,6 +1,7 @@
 """``pslv calibrate mirror``: A, B, C of equation 1 from pairs of a radius and a distance."""
 
 import json
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,18 +9,48 @@ import typer
 
 from app.commands.calibrate import own_file
 from app.commands.options import ConfigFile, Venue
-from vision_core.calibration.mirror.pairs import Rounding
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.errors import SettingsError
 
 if TYPE_CHECKING:
+    from app.commands.mirror_pictures import PictureOptions
     from vision_core.calibration.mirror.fit import FocalPrior
+    from vision_core.calibration.mirror.pairs import Pairs
     from vision_core.calibration.mirror.result import MirrorCalibration
+    from vision_core.settings.schema import Settings
 
 
 def mirror(
     pairs: Annotated[
-        Path, typer.Argument(help="CSV: radius in px and distance from the robot's center on the floor in mm.")
-    ],
+        Path | None, typer.Argument(help="CSV: radius in px and distance from the robot's center on the floor in mm.")
+    ] = None,
+    picture: Annotated[
+        list[Path] | None, typer.Option(help="On-board picture: heading up, left at the left. Several times.")
+    ] = None,
+    at: Annotated[
+        list[float] | None, typer.Option(help="Distance on the floor of the target in the picture [mm]; one for each.")
+    ] = None,
+    click: Annotated[
+        list[str] | None,
+        typer.Option(help="X,Y near the target's edge; one for each picture. None: the strongest edge in --direction."),
+    ] = None,
+    direction: Annotated[
+        float, typer.Option(help="Of the target, anticlockwise from the robot's heading [degrees].")
+    ] = 0.0,
+    around: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="What stands around the robot; one for each picture: CSV with direction in degrees and distance in mm,"
+            " or the ceiling camera's picture of the same instant."
+        ),
+    ] = None,
+    robot: Annotated[str, typer.Option(help="Whose on-board pictures they are: team and number.")] = "blue:1",
+    center: Annotated[
+        str | None, typer.Option(help="X,Y of the mirror's center in the pictures; none: their middle.")
+    ] = None,
+    scale: Annotated[
+        float, typer.Option(min=0.01, max=100.0, help="Pixels of the pictures per pixel of equation 1.")
+    ] = 1.0,
     venue: Venue = None,
     config: ConfigFile = None,
     focal: Annotated[
@@ -43,10 +74,12 @@ def mirror(
 ) -> None:
     """Fit the mirror of the robots' on-board cameras, and print a venue's [mirror].
 
-    A result that cannot be trusted is refused with its reasons, and exit status 2.
+    By pairs from a file, from on-board pictures of a target at known distances (--picture --at), or from what stands
+    around the robot while a picture is taken (--picture --around). A result that cannot be trusted is refused with its
+    reasons, and exit status 2.
     """
+    from app.commands.mirror_pictures import PictureOptions
     from vision_core.calibration.mirror.draw import draw_mirror
-    from vision_core.calibration.mirror.pairs import read_pairs
     from vision_core.calibration.mirror.verdict import calibrate_mirror
     from vision_core.native.opencv import write_picture
     from vision_core.venues.camera_edit import lines_of, mirror_tables, save_mirror
@@ -55,8 +88,10 @@ def mirror(
 
     layers = layers_of(venue, config)
     target = own_file(venue, config, layers, is_needed=save)
-    preset = field_of(field) if field else settings_from_layers(layers, complete_palette=False).field
-    result = calibrate_mirror(read_pairs(pairs, radii), _prior(focal, focal_sd), preset)
+    settings = settings_from_layers(layers)
+    shown = PictureOptions(picture or [], at or [], click or [], direction, around or [], robot, center, scale)
+    preset = field_of(field) if field else settings.field
+    result = calibrate_mirror(_pairs(pairs, radii, shown, settings), _prior(focal, focal_sd), preset)
     if draw is not None:
         write_picture(draw, draw_mirror(result))
     typer.echo(_json(result) if as_json else _report(result))
@@ -67,6 +102,18 @@ def mirror(
     if save and target is not None:
         save_mirror(layers, target, result.mirror)
         typer.echo(f"# saved in {target.name}", err=True)
+
+
+def _pairs(path: Path | None, radii: Rounding, shown: "PictureOptions", settings: "Settings") -> "Pairs":
+    """Of the file and of the pictures."""
+    from app.commands.mirror_pictures import pairs_from_pictures
+    from vision_core.calibration.mirror.pairs import Pairs, read_pairs
+
+    seen = pairs_from_pictures(shown, settings)
+    parts = [part for part in (read_pairs(path, radii) if path else None, seen) if part is not None]
+    if not parts:
+        raise SettingsError("the mirror", found="no pairs", accepted="a CSV file, or --picture with --at or --around")
+    return reduce(Pairs.joined, parts)
 
 
 def _prior(focal: float | None, deviation: float | None) -> "FocalPrior | None":

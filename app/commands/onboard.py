@@ -1,15 +1,12 @@
 """``pslv onboard``: what a robot's own camera would show."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from app.commands.options import ConfigFile, Venue
+from app.commands.options import ConfigFile, Venue, robot_of
 from vision_core.errors import SettingsError
-
-if TYPE_CHECKING:
-    from vision_core.types.objects import Team
 
 onboard_app = typer.Typer(no_args_is_help=True, help="Pictures of a robot's own camera under a hyperboloidal mirror.")
 
@@ -41,7 +38,7 @@ def render(
 
     settings = load_settings(venue, config, options={"synthetic.seed": seed})
     camera = OnboardCamera(
-        settings, _robot_of(robot), size_px=_size_of(size), mirror=None if mirror is None else Mirror(*mirror)
+        settings, robot_of(robot), size_px=_size_of(size), mirror=None if mirror is None else Mirror(*mirror)
     )
     world = World(settings)
     world.advance(time)
@@ -53,16 +50,6 @@ def render(
         f"{output}: {robot} at ({x:.2f}, {y:.2f}) m, heading {heading:.2f} rad; viewpoint {shape.h_m * 1e3:.0f} mm "
         f"high, focal length {shape.f_px:.0f} px, {camera.scale:.2f} px of the picture per px of equation 1"
     )
-
-
-def _robot_of(text: str) -> tuple["Team", int]:
-    """Team and number from blue:1."""
-    from vision_core.types.objects import Team
-
-    team, _, number = text.partition(":")
-    if team not in list(Team) or not number.isdecimal():
-        raise SettingsError("--robot", found=text, accepted="team and number: blue:1")
-    return Team(team), int(number)
 
 
 def _size_of(text: str) -> tuple[int, int]:

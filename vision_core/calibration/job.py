@@ -5,7 +5,7 @@ from typing import TypeAlias
 from msgspec import Struct
 
 from vision_core.calibration.mirror.fit import FocalPrior
-from vision_core.calibration.mirror.pairs import Rounding
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.settings.schema import Settings
 
 

@@ -18,7 +18,8 @@ from app.web.reports.calibration import CalibrationReport, calibration_from
 from app.web.venue.asking import refused
 from vision_core.calibration.job import MirrorJob, NamedPair
 from vision_core.calibration.mirror.fit import focal_prior
-from vision_core.calibration.mirror.pairs import MAX_BYTES, MAX_PAIRS, Pairs, Rounding, pairs_from_text, pairs_of
+from vision_core.calibration.mirror.pairs import MAX_BYTES, MAX_PAIRS, Pairs, pairs_from_text, pairs_of
+from vision_core.calibration.mirror.rounding import Rounding
 
 Name = Annotated[str, Field(max_length=60)]
 

@@ -8,10 +8,11 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from app.cli import app
+from tests.calibration.mirror.pictures import around
 from vision_core.errors import SettingsError
 from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import PAPER_MIRROR
-from vision_core.native.opencv import read_picture
+from vision_core.native.opencv import read_picture, write_picture
 from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings
 
@@ -86,3 +87,37 @@ def test_what_it_refuses(pairs: Path, words: tuple[str, ...], said: str) -> None
     error = run(pairs, *words).exception
     assert isinstance(error, SettingsError)
     assert said in str(error)
+
+
+def test_pictures_of_a_target_at_known_distances(tmp_path: Path) -> None:
+    words: list[str | Path] = []
+    for mm in DISTANCES.tolist():
+        path = tmp_path / f"{mm:.0f}.png"
+        write_picture(path, around(np.full(360, PAPER_MIRROR.px_from_mm(mm))))
+        words += ["--picture", path, "--at", f"{mm}"]
+    result = run(*words, "--focal", "300", "--json")
+    assert result.exit_code == 2, "the mirror's rim is the strongest edge"
+    for mm in DISTANCES.tolist():
+        words += ["--click", f"159.5,{119.5 - PAPER_MIRROR.px_from_mm(mm) - 2.0}"]
+    result = run(*words, "--focal", "300", "--json")
+    assert result.exit_code == 0, result.output
+    shown = json.loads(result.stdout)
+    curve = [(point["r_mm"], point["r_px"]) for point in shown["curve"]]
+    assert max(abs(px - PAPER_MIRROR.px_from_mm(mm)) for mm, px in curve) < 0.3
+    assert shown["pairs"][0]["name"] == "110.png"
+
+
+def test_surroundings_from_a_file(tmp_path: Path) -> None:
+    directions = np.arange(360.0)
+    distances = 300.0 + 1500.0 * np.abs(np.sin(np.radians(directions)))
+    picture, table = tmp_path / "onboard.png", tmp_path / "around.csv"
+    write_picture(picture, around(PAPER_MIRROR.px_from_mm(distances)))
+    rows = [f"{degree:.0f};{mm:.1f}" for degree, mm in zip(directions, distances, strict=True)]
+    table.write_text("\n".join(["direction [deg];r [mm]", *rows]))
+    result = run("--picture", picture, "--around", table, "--focal", "300")
+    assert result.exit_code == 0, result.output
+    assert "px rms over 3" in result.stdout
+    table.write_text("direction [deg];r [mm]\n0;0\n")
+    error = run("--picture", picture, "--around", table).exception
+    assert isinstance(error, SettingsError)
+    assert "line 2; found: no distance" in str(error)

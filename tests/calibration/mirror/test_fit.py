@@ -5,7 +5,8 @@ import pytest
 
 from bench.mirror import NOISE_PX, SPAN_MM, curve_error_px, trial
 from vision_core.calibration.mirror.fit import FocalPrior, fit_mirror, jacobian, radii_of
-from vision_core.calibration.mirror.pairs import Pairs, Rounding, pairs_of
+from vision_core.calibration.mirror.pairs import Pairs, pairs_of
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 

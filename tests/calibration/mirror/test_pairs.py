@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vision_core.calibration.mirror.pairs import Pairs, Rounding, pairs_from_text, pairs_of, read_pairs
+from vision_core.calibration.mirror.pairs import Pairs, pairs_from_text, pairs_of, read_pairs
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.errors import SettingsError
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from vision_core.calibration.mirror.fit import FocalPrior
-from vision_core.calibration.mirror.pairs import Rounding, pairs_of
+from vision_core.calibration.mirror.pairs import pairs_of
 from vision_core.calibration.mirror.result import MirrorCalibration
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.calibration.mirror.verdict import calibrate_mirror
 from vision_core.calibration.result import Cancelled
 from vision_core.models.mirror import PAPER_MIRROR

@@ -34,6 +34,8 @@ OUTLIER_SIGMAS, OUTLIER_PX = 4.0, 1.0
 LEAST_NOISE_PX, CUT_NOISE_PX = 0.1, 0.2887
 """Nobody measures better; 1/sqrt(12), that of radii that were cut to whole numbers."""
 MEDIAN_PER_SIGMA = 0.6745
+MIN_ALIKE, ALIKE_SIGMAS, MAX_ALIKE = 12, 3.0, 0.95
+"""From so many pairs on residuals of neighbours are compared; what is correlated by so many deviations is no noise."""
 MAX_LOG = 30.0
 """Of any parameter: beyond it the constants of equation 1 overflow."""
 PARAMETERS = 3
@@ -67,8 +69,10 @@ class MirrorFit:
     """How much farther from the center each pair lies than the curve, shape (n,)."""
     noise_px: float
     """Standard deviation of the pairs that count."""
+    alike: float
+    """Correlation of the residuals of neighbouring distances, where it is no accident; otherwise 0."""
     covariance: Floats
-    """Of log h, log u, log f; shape (3, 3)."""
+    """Of log h, log u, log f; shape (3, 3). Neighbours that are alike count as fewer."""
     condition: float
     """Of the derivatives of the radii by log h, log u, log f, without the prior."""
 
@@ -219,7 +223,8 @@ def _least_squares(data: _Data, logs: Floats, noise_px: float) -> Floats:
 
 def _result(data: _Data, logs: Floats, kept: Mask, noise_px: float) -> MirrorFit:
     design = jacobian(logs, data.distances_mm[kept])
-    information = design.T @ design / noise_px**2
+    alike = _alike(data.off_px(logs)[kept][np.argsort(data.distances_mm[kept], kind="stable")])
+    information = design.T @ design / noise_px**2 * (1.0 - alike) / (1.0 + alike)
     information[2, 2] += data.prior.share**-2
     sizes = np.linalg.svd(design, compute_uv=False)
     covariance = np.linalg.pinv(information, rcond=1e-15, hermitian=True)
@@ -228,9 +233,18 @@ def _result(data: _Data, logs: Floats, kept: Mask, noise_px: float) -> MirrorFit
         kept=kept,
         off_px=data.off_px(logs),
         noise_px=noise_px,
+        alike=alike,
         covariance=np.asarray(covariance, dtype=np.float64),
         condition=float(sizes[0] / max(sizes[-1], 1e-300)) if len(sizes) == PARAMETERS else np.inf,
     )
+
+
+def _alike(off_px: Floats) -> float:
+    """Correlation of neighbours among residuals in the order of their distances."""
+    if len(off_px) < MIN_ALIKE:
+        return 0.0
+    alike = float((off_px[:-1] * off_px[1:]).mean() / max(float((off_px**2).mean()), 1e-12))
+    return min(alike, MAX_ALIKE) if alike > ALIKE_SIGMAS / np.sqrt(len(off_px)) else 0.0
 
 
 def _shape(logs: Floats) -> Hyperboloid:

@@ -6,8 +6,9 @@ import numpy as np
 
 from vision_core.calibration.mirror.contradictions import contradictions, rivals
 from vision_core.calibration.mirror.fit import PARAMETERS, FocalPrior, MirrorFit, fit_mirror, radii_of
-from vision_core.calibration.mirror.pairs import HALF_PX, Pairs, Rounding
+from vision_core.calibration.mirror.pairs import HALF_PX, Pairs
 from vision_core.calibration.mirror.result import CurvePoint, MirrorCalibration, PairResult
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.calibration.result import Progress, no_progress
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats
@@ -30,8 +31,6 @@ FOCAL_SIGMAS = 4.0
 """A focal length that lies farther from what the pairs alone say is noted."""
 MAX_CONDITION = 500.0
 """Above it A, B and C cannot be told from each other."""
-MIN_TREND, TREND_SIGMAS = 12, 3.0
-"""From so many pairs on residuals of neighbours are compared; what is correlated by so many deviations is no noise."""
 NAMED = 5
 DIGITS = 9
 """Of A, B, C: their rounding moves the curve by less than a thousandth of a pixel."""
@@ -137,10 +136,10 @@ def _notes(pairs: Pairs, prior: FocalPrior | None, fit: MirrorFit) -> Iterator[s
         )
     if (band := _band_px(fit)) > BAND_PX:
         yield f"add pairs near {_widest_mm(fit):.0f} mm: there the curve is only known to {band:.1f} px"
-    if (trend := _trend(pairs, fit)) > 0.0:
+    if fit.alike > 0.0:
         yield (
-            f"the residuals are no noise: neighbours are alike (correlation {trend:.2f}). Is the image's center right,"
-            " are targets on the floor, and is the mirror hyperboloidal?"
+            f"the residuals are no noise: neighbours are alike (correlation {fit.alike:.2f}). Is the image's center"
+            " right, are targets on the floor, and is the mirror hyperboloidal?"
         )
 
 
@@ -150,16 +149,6 @@ def _other_focal_px(pairs: Pairs, prior: FocalPrior) -> float | None:
     apart = abs(float(alone.logs[2]) - np.log(prior.focal_px))
     is_other = apart > FOCAL_SIGMAS * np.hypot(np.sqrt(alone.covariance[2, 2]), prior.share)
     return alone.shape.focal_px if is_other else None
-
-
-def _trend(pairs: Pairs, fit: MirrorFit) -> float:
-    """Correlation of the residuals of neighbouring distances, where it is no accident; otherwise 0."""
-    order = np.argsort(pairs.distances_mm[fit.kept], kind="stable")
-    off = fit.off_px[fit.kept][order]
-    if len(off) < MIN_TREND:
-        return 0.0
-    alike = float((off[:-1] * off[1:]).mean() / max(float((off**2).mean()), 1e-12))
-    return alike if alike > TREND_SIGMAS / np.sqrt(len(off)) else 0.0
 
 
 def _words(fit: MirrorFit) -> Iterator[str]:
