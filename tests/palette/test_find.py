@@ -1,11 +1,15 @@
 """Colors found in pictures: on rendered fields with papers that nobody has named."""
 
+import numpy as np
 import pytest
 
 from tests.palette.rendered import other_paper, papers, rendered, right_and_wrong
+from vision_core.color.samples import Measured
 from vision_core.palette.find import find_colors, find_palette
 from vision_core.palette.light import light_from
-from vision_core.palette.result import TOO_NEAR
+from vision_core.palette.reading import cells_of, judged_with
+from vision_core.palette.result import result_of
+from vision_core.palette.starts import FIRST
 from vision_core.palette.trial import Trial
 from vision_core.patterns.paints import PAINTS_BGR
 from vision_core.venues.loader import load_settings
@@ -47,8 +51,7 @@ def test_papers_that_are_too_alike_are_refused_by_name(monkeypatch: pytest.Monke
     alike = {**PAINTS_BGR, "magenta": other_paper(PAINTS_BGR["red"], -4.0, 1.0)}
     shown = rendered(settings, alike, monkeypatch, 2)
     found = find_colors([pixels for pixels, _ in shown], settings)
-    pairs = {frozenset((pair.one, pair.other)) for pair in found.near if pair.spreads < TOO_NEAR}
-    assert frozenset(("red", "magenta")) in pairs, (found.near, found.reasons, found.pictures, found.paints)
+    assert any("magenta" in str(reason) for reason in found.refused), (found.reasons, found.pictures, found.paints)
 
 
 def test_a_picture_without_robots_is_refused_with_a_reason() -> None:
@@ -58,3 +61,15 @@ def test_a_picture_without_robots_is_refused_with_a_reason() -> None:
     found = find_colors([CameraSetup.from_settings(settings).black_image()], settings)
     assert not found.accepted
     assert "no robot's marker is read clearly" in str(found.reasons[0])
+
+
+def test_colors_that_were_only_guessed_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = load_settings("demo-vsss")
+    ((pixels, _),) = rendered(settings, PAINTS_BGR, monkeypatch, 1)
+    trial = Trial(settings, light_from(pixels, settings))
+    picture = trial.prepared(pixels)
+    guess = Measured({name: bgr[None] for name, bgr in zip(trial.paints, trial.typical, strict=True)}, np.zeros((0, 3)))
+    found = result_of(trial, judged_with(trial, [picture], guess, FIRST, cells_of([picture])))
+    assert found.pictures[0].clear
+    assert not found.accepted
+    assert "no color was learned: looked for blue" in str(found.refused[0])

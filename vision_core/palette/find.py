@@ -36,7 +36,7 @@ FIRST_PICTURES = 3
 REFINED = 6
 """So many of the first guesses of each kind are refined."""
 ROUNDS = 5
-GUESS_SHARE = 0.95
+GUESS_SHARE = 0.7
 """Learned colors are preferred to guessed ones that score a little more."""
 
 

@@ -27,6 +27,10 @@ SURE, CLEAR = 0.25, 0.5
 """Robots whose markers are shown so clearly teach their colors; the surroundings of these are no floor."""
 MIN_DISC = 0.15
 """How clear a disc must be, times how well its hue agrees, to be taken for the ball."""
+DARKEST_DISC = 0.3
+"""A disc with a smaller share of the luma that is expected is no ball: near black every hue may be noise."""
+SHADES = 3
+"""Samples of one patch."""
 MAX_SAMPLES = 24
 """Per paint."""
 MAX_FLOOR = 80
@@ -39,11 +43,15 @@ FLOOR_CHROMA, FLOOR_LUMA = 0.08, 0.15
 """Colors nearer than this to a listed one, in chromaticity and in the luma's logarithm, are taken to be the same."""
 PALE_CHROMA, PALE_SHARE = 0.2, 0.6
 """The floor looks like a pale paint when its chromaticity is so near and it is at least so light."""
+GUESSED_LUMA = 70.0
+"""Of paints when none was seen."""
 UNSEEN_SHARES = 0.75, 1.0, 1.25
 """A paint that was not seen may be so much paler or purer than the others suggest."""
 RARE_SHARE, DOUBT = 0.01, 3.0
 """A color of the floor that has a smaller share of it and lies within so many spreads of a paint may be a robot that
 was missed: it is not listed."""
+ALIKE = 2.0
+"""Beside the field no robot is missed: there only a color within so many spreads of a paint is not listed."""
 
 
 def learn(
@@ -55,6 +63,7 @@ def learn(
     right when the palette was.
     """
     shown: list[list[Floats]] = [[] for _ in trial.paints]
+    counts = np.zeros(len(trial.paints), dtype=np.int64)
     floor, tops = [], []
     for picture, seen in zip(pictures, judged, strict=True):
         for robot, evidence in zip(seen.robots, seen.evidence, strict=True):
@@ -62,20 +71,18 @@ def learn(
             if evidence < SURE:
                 continue
             if kind.template.has_between:
-                tops.append(_top_of(trial, picture.pixels, robot))
+                tops.append(_region_of(trial, picture.pixels, robot, kind.template.patches))
             row = kind.ids.index(int(robot["id"])) if len(kind.ids) > 1 else 0
-            pose = np.array([0.0, robot["x_m"], robot["y_m"], robot["heading_rad"], 1.0])
-            for paint, color in zip(kind.worn[row], _colors_at(trial, picture.pixels, kind, pose), strict=True):
-                shown[paint].append(color)
+            for patch, paint in enumerate(kind.worn[row]):
+                shown[paint] += _shades_of(_region_of(trial, picture.pixels, robot, patch))
+                counts[paint] += 1
         floor.append(_floor_of(trial, picture, seen))
     ball = trial.kinds[BALL].worn[0, 0]
-    expected = chromaticity(placed_by_name(trial, shown)[ball, 1])
-    shown[ball] += [
-        color
-        for picture, seen in zip(pictures, judged, strict=True)
-        for color in _ball_color(trial, picture, seen, expected, as_read=ball_as_read)
-    ]
-    counts = np.array([len(colors) for colors in shown])
+    expected = placed_by_name(trial, shown)[ball, 1]
+    for picture, seen in zip(pictures, judged, strict=True):
+        own_ball = _ball_color(trial, picture, seen, expected, as_read=ball_as_read)
+        shown[ball] += own_ball
+        counts[ball] += len(own_ball)
     placed = placed_by_name(trial, shown)
     classes = {
         name: _spread_out(np.array(colors)) if colors else placed[number]
@@ -85,8 +92,12 @@ def learn(
     if tops:
         own, parts = floor_samples(np.concatenate(tops), TOP_SHARE)
         colors, shares = np.concatenate([colors, own]), np.concatenate([shares, parts])
-    near = distances(colors, Measured(classes, colors[:0]), LEARNED).min(axis=1) < DOUBT
-    return Measured(classes, without_colorless(trial, colors[~near | (shares >= RARE_SHARE)], classes)), counts
+    doubt = np.where(shares >= RARE_SHARE, 0.0, DOUBT)
+    beyond, _ = floor_samples(np.concatenate([_beyond(trial, picture) for picture in pictures]))
+    beyond = beyond[[not (color == colors).all(axis=1).any() for color in beyond]]
+    colors, doubt = np.concatenate([colors, beyond]), np.concatenate([doubt, np.full(len(beyond), ALIKE)])
+    near = distances(colors, Measured(classes, colors[:0]), LEARNED).min(axis=1) < doubt
+    return Measured(classes, without_colorless(trial, colors[~near], classes)), counts
 
 
 def without_colorless(trial: Trial, floor: Floats, classes: Mapping[str, Floats]) -> Floats:
@@ -115,11 +126,17 @@ def placed_by_name(trial: Trial, shown: Sequence[Sequence[Floats]]) -> Floats:
     prior = np.diag([PAINT_SD / SCALE_SD, PAINT_SD / SHIFT_SD, PAINT_SD / SHIFT_SD])
     wanted += [USUAL_SCALE * float(prior[0, 0]), 0.0, 0.0]
     scale, *shift = np.linalg.lstsq(np.vstack([*rows, prior]), np.array(wanted), rcond=None)[0]
-    return np.stack([bgr_from_chromaticity(share * scale * typical + shift) for share in UNSEEN_SHARES], axis=1)
+    usual = trial.typical @ LUMA_BGR
+    light = [float(np.median(np.array(c) @ LUMA_BGR)) / luma for c, luma in zip(shown, usual, strict=True) if len(c)]
+    lumas = usual * float(np.median(light)) if light else GUESSED_LUMA
+    return np.stack([bgr_from_chromaticity(share * scale * typical + shift, lumas) for share in UNSEEN_SHARES], axis=1)
 
 
-def bgr_from_chromaticity(places: Floats, luma: float = 70.0) -> Floats:
-    """Colors of a luma with some chromaticities, shape (n, 2) -> (n, 3); channels may lie outside of 0..255."""
+def bgr_from_chromaticity(places: Floats, luma: float | Floats = GUESSED_LUMA) -> Floats:
+    """Colors with some chromaticities, shape (n, 2) -> (n, 3), of one luma or one each, shape (n,).
+
+    Channels may lie outside of 0..255.
+    """
     ratios = np.exp(np.column_stack([places[:, 0], np.zeros(len(places)), places[:, 1]]))
     scale = (luma + DARK_LEVEL) / (ratios @ LUMA_BGR)
     colors: Floats = ratios * scale[:, None] - DARK_LEVEL
@@ -129,12 +146,14 @@ def bgr_from_chromaticity(places: Floats, luma: float = 70.0) -> Floats:
 def _ball_color(trial: Trial, picture: Picture, seen: Judged, expected: Floats, *, as_read: bool) -> list[Floats]:
     """The color of a picture's ball, or none: of the clearest disc beside the robots whose hue may be the ball's.
 
-    as_read: as of ``learn``.
+    expected: the ball's color by its name, blue, green, red; as_read: as of ``learn``.
     """
     kind, best, color = trial.kinds[BALL], MIN_DISC, None
 
     def fit_of(score: float, shown: Floats) -> float:
-        away = float(np.hypot(*(chromaticity(shown) - expected)))
+        if shown @ LUMA_BGR < DARKEST_DISC * (expected @ LUMA_BGR):
+            return 0.0
+        away = float(np.hypot(*(chromaticity(shown) - chromaticity(expected))))
         return score * float(np.exp(-0.5 * (away / PAINT_SD) ** 2))
 
     for ball in seen.balls[:1] if as_read else ():
@@ -178,7 +197,7 @@ def _spread_out(colors: Floats) -> Floats:
 def _floor_of(trial: Trial, picture: Picture, seen: Judged) -> Floats:
     """Colors of the field where neither a robot nor the ball is, shape (n, 3)."""
     pixels, places = trial.floor_px, trial.floor_m
-    free: Mask = np.ones(len(pixels), dtype=np.bool_)
+    free: Mask = trial.is_field.copy()
     for robot, evidence in zip(seen.robots, seen.evidence, strict=True):
         if evidence >= CLEAR:
             radius = ROBOT_RADII * robots_of(trial.settings.robots, TEAMS[robot["team"]]).radius_m
@@ -190,18 +209,31 @@ def _floor_of(trial: Trial, picture: Picture, seen: Judged) -> Floats:
     return colors
 
 
-def _top_of(trial: Trial, pixels: Bytes, robot: Row) -> Floats:
-    """Colors between the patches of a robot, shape (n, 3)."""
+def _beyond(trial: Trial, picture: Picture) -> Floats:
+    """Colors beside the field, as far as robots are accepted; shape (n, 3)."""
+    pixels = trial.floor_px[~trial.is_field]
+    colors: Floats = picture.pixels[pixels[:, 1], pixels[:, 0]].astype(np.float64)
+    return colors
+
+
+def _region_of(trial: Trial, pixels: Bytes, robot: Row, region: int) -> Floats:
+    """Colors of the points of a region of a robot's template, those in the picture; shape (n, 3)."""
     kind = trial.kind_of(robot)
     height, width, _ = pixels.shape
     turn = rotation(robot["heading_rad"])
     found = []
-    for point in kind.template.points_m[kind.template.patches]:
+    for point in kind.template.points_m[region]:
         x, y = turn @ point
         u, v = pixel_from_field(trial.camera_map, robot["x_m"] + x, robot["y_m"] + y, kind.height_m)
         if 0.0 <= u < width - 1.0 and 0.0 <= v < height - 1.0:
             found.append(pixels[round(v), round(u)])
     return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+
+def _shades_of(colors: Floats) -> list[Floats]:
+    """The mean of a patch's darkest, middle and lightest colors, shape (n, 3): lamps light no paper evenly."""
+    ordered = colors[np.argsort(colors @ LUMA_BGR)]
+    return [part.mean(axis=0) for part in np.array_split(ordered, SHADES) if len(part)]
 
 
 def floor_samples(colors: Floats, least_share: float = FLOOR_SHARE) -> tuple[Floats, Floats]:

@@ -39,8 +39,8 @@ COLORLESS = 0.15
 """Typical paints with a smaller chromaticity are white or grey."""
 COLORLESS_RADIUS, COLORED = 0.35, -10.0
 """A white patch is as likely a floor's as a paint's; a patch farther than this from grey is not white: log odds."""
-MIN_EVIDENCE = 4.0
-"""Log odds from which on a candidate is taken for what its colors say."""
+MIN_EVIDENCE, PATCH_EVIDENCE = 4.0, 2.0
+"""Log odds from which on a candidate is taken for what its colors say; of each of its patches, where it has few."""
 
 
 class Group(NamedTuple):
@@ -174,6 +174,7 @@ def _read(
         odds = -0.5 * away / spread**2 - np.log(math.tau * spread**2) - stack.clutter[..., None]
         odds[..., colorless] = np.where(away[..., colorless] < COLORLESS_RADIUS**2, 0.0, COLORED)
         patches = np.arange(odds.shape[1])
+        least = min(MIN_EVIDENCE, PATCH_EVIDENCE * len(patches))
         # per pose and reading: the sum over the patches, each with the paint that the reading says
         table = np.concatenate([odds[:, patches, kind.worn].sum(axis=-1) for kind in group.kinds], axis=1)
         table += stack.shape_odds[:, None]
@@ -183,7 +184,7 @@ def _read(
             own = table[rows]
             pose, label = divmod(int(own.argmax()), own.shape[1])
             evidence = float(own[pose, label])
-            if evidence < MIN_EVIDENCE:
+            if evidence < least:
                 continue
             own[pose, label] = -math.inf
             margin = evidence - float(own.max())

@@ -1,5 +1,6 @@
 """What was found: the colors as settings, how sure they are, and what people should do about it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import msgspec
@@ -59,13 +60,20 @@ class ColorsFound:
     paints: tuple[PaintFound, ...]
     near: tuple[NearPaints, ...]
     pictures: tuple[PictureRead, ...]
-    reasons: tuple[Reason, ...]
-    """What is doubtful, and what to do; none when everything is clear."""
+    refused: tuple[Reason, ...]
+    """Why the colors are of no use, and what to do; none when they are."""
+    remarks: tuple[Reason, ...]
+    """What to know about colors that can be used."""
 
     @property
     def accepted(self) -> bool:
-        """Is any robot read clearly, and are all papers told apart?"""
-        return any(one.clear for one in self.pictures) and all(pair.spreads >= TOO_NEAR for pair in self.near)
+        """Was every robot's paint learned that the pictures show, and are all papers told apart?"""
+        return not self.refused
+
+    @property
+    def reasons(self) -> tuple[Reason, ...]:
+        """All of both."""
+        return *self.refused, *self.remarks
 
 
 def result_of(trial: Trial, palette: Palette) -> ColorsFound:
@@ -89,7 +97,10 @@ def result_of(trial: Trial, palette: Palette) -> ColorsFound:
         for one in palette.judged
     )  # fmt: skip
     near = _near_paints(trial, palette, measured)
-    return ColorsFound(colors, paints, near, pictures, tuple(_reasons(paints, near, pictures)))
+    worn = np.unique(np.concatenate([kind.worn.ravel() for kind in trial.kinds[:BALL]]))
+    unread = sum(int((one.evidence == 0.0).sum()) for one in palette.judged)
+    refused = _refused([paints[number] for number in worn], near, pictures, unread)
+    return ColorsFound(colors, paints, near, pictures, tuple(refused), tuple(_remarks(paints, near)))
 
 
 def _near_paints(trial: Trial, palette: Palette, measured: Measured) -> tuple[NearPaints, ...]:
@@ -120,24 +131,42 @@ def _confusable(trial: Trial) -> set[tuple[int, int]]:
     return pairs | {(min(teams), max(teams))}
 
 
-def _reasons(
-    paints: tuple[PaintFound, ...], near: tuple[NearPaints, ...], pictures: tuple[PictureRead, ...]
+def _refused(
+    worn: Sequence[PaintFound], near: Sequence[NearPaints], pictures: Sequence[PictureRead], unread: int
 ) -> list[Reason]:
-    reasons = []
+    """worn: the paints of the robots; unread: how many robots are not read in all pictures."""
     if not any(one.clear for one in pictures):
-        reasons.append(Reason(
+        return [Reason(
             "no robot's marker is read clearly",
             "Check the pattern, the robots' height and the camera, or give pictures that show more robots.",
-        ))  # fmt: skip
-    for pair in near:
-        word = "too alike" if pair.spreads < TOO_NEAR else "alike"
+        )]  # fmt: skip
+    unseen = ", ".join(one.name for one in worn if not one.patches)
+    if not any(one.patches for one in worn):
+        return [Reason(
+            f"no color was learned: looked for {unseen}, found markers that are clear with guessed colors only",
+            "Give pictures with more robots or better light, or measure the colors with `pslv colors sample`.",
+        )]  # fmt: skip
+    reasons = [_alike(pair, "too alike") for pair in near if pair.spreads < TOO_NEAR]
+    if unseen and unread:
         reasons.append(Reason(
-            f"{pair.one} and {pair.other} are {word}: {pair.spreads:g} spreads apart",
-            f"Give one of them another paper; {NEAR:g} spreads and more are told apart in any light.",
+            f"{unread} robots are not read, and no marker that is read shows {unseen}: they may wear it",
+            "Give that paper another color if it looks like another one's; otherwise add pictures that show it.",
         ))  # fmt: skip
+    return reasons
+
+
+def _remarks(paints: Sequence[PaintFound], near: Sequence[NearPaints]) -> list[Reason]:
+    reasons = [_alike(pair, "alike") for pair in near if pair.spreads >= TOO_NEAR]
     if unseen := [one.name for one in paints if not one.patches]:
         reasons.append(Reason(
             f"no picture shows {', '.join(unseen)}",
             "Add a picture with a robot that wears it; until then its name alone says how it looks.",
         ))  # fmt: skip
     return reasons
+
+
+def _alike(pair: NearPaints, how: str) -> Reason:
+    return Reason(
+        f"{pair.one} and {pair.other} are {how}: {pair.spreads:g} spreads apart",
+        f"Give one of them another paper; {NEAR:g} spreads and more are told apart in any light.",
+    )

@@ -20,6 +20,7 @@ from vision_core.models.camera_kernels import CameraMap, camera_map_from
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
+from vision_core.objects.field_limits import accepted_extents
 from vision_core.objects.robots.marker_shape import Scene, scene_of, score_of
 from vision_core.objects.robots.shape_search import Candidate, find_candidates
 from vision_core.objects.robots.template import NEUTRAL, Template, disc_template, template_of
@@ -40,7 +41,7 @@ SIZES = (0.9, 1.0)
 """Of a marker as a share of the drawn one: papers are often cut smaller."""
 READ_GAIN, READ_COST = 2.0, 0.2
 """A robot that is read is worth its confidence times READ_GAIN * evidence - READ_COST."""
-UNREAD_GAIN, UNREAD_COST = 0.15, 0.02
+UNREAD_GAIN, UNREAD_COST = 0.15, 0.1
 CLUTTER_COST, MAX_CLUTTER = 0.05, 60.0
 """Per area of a team's patch that is colored without a reason; areas beyond are counted as MAX_CLUTTER."""
 MAX_FLOOR_PIXELS = 80_000
@@ -121,7 +122,10 @@ class Trial:
         """Which paints are white or grey."""
         self.kinds = tuple(self._kinds())
         self.floor_px, self.floor_m = self._floor_grid()
-        """Pixels of the field and their places, shapes (n, 2)."""
+        """Pixels of the area in which robots are accepted, and their places, shapes (n, 2)."""
+        half = np.array([settings.field.length_m, settings.field.width_m]) / 2.0
+        self.is_field = np.asarray((np.abs(self.floor_m) < half).all(axis=1))
+        """Which of them lie inside the field's lines or walls, shape (n,)."""
         self._patch_px = self._area_of_anchor()
 
     def prepared(self, pixels: Bytes, light: Light | None = None) -> Picture:
@@ -200,9 +204,10 @@ class Trial:
         y, x = np.mgrid[0:height:step, 0:width:step]
         pixels = np.column_stack([x.ravel(), y.ravel()]).astype(np.int32)
         places = self.camera.model.field_from_pixel(pixels.astype(np.float64))
-        half = np.array([self.settings.field.length_m, self.settings.field.width_m]) / 2.0
+        away = np.abs(places)
+        x, y, goal_x, goal_y = accepted_extents(self.settings.field, self.settings.robots.margin_m)
         with np.errstate(invalid="ignore"):
-            inside = (np.abs(places) < half).all(axis=1)
+            inside = (away <= (x, y)).all(axis=1) | (away <= (goal_x, goal_y)).all(axis=1)
         return pixels[inside], places[inside]
 
     def _kinds(self) -> list[Kind]:
