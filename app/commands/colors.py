@@ -106,6 +106,7 @@ def find(
         typer.echo(f"# {reason}")
     typer.echo(color_tables(found.colors))
     if not found.accepted:
+        typer.echo(f"# these colors are doubtful{': nothing is saved' if save else ''}", err=True)
         raise typer.Exit(2)
     if save and target is not None:
         save_colors(layers, target, found.colors)
