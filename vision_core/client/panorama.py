@@ -10,13 +10,19 @@ Only NumPy is needed, so that a client can draw what it receives.
 import math
 from collections.abc import Mapping
 from functools import lru_cache
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.geometry import Bytes, Floats
+from vision_core.client.view import View
+from vision_core.geometry import Bytes, Floats, Mask
 from vision_core.models.mirror import Mirror
+from vision_core.protocol.messages import NOTHING_PX
+from vision_core.protocol.options import Options
 from vision_core.types.edges import Rgb, all_letters
+
+FloatImage: TypeAlias = NDArray[np.float32]
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 MARGIN_PX = 4.0
@@ -24,14 +30,16 @@ OVERSAMPLING = 2
 """Drawn with so many times the resolution, then averaged: smooth edges."""
 MAX_STEP = 0.15
 """Neighbors of one type whose radii differ by less than this fraction are one edge, and joined by a line."""
-FADE_LENGTH = 0.5
-"""Beyond an edge its color fades with this length, a fraction of the horizon."""
+FADE_LENGTH, DIMMEST = 0.5, np.float32(0.35)
+"""Beyond an edge its color fades with this length, a fraction of the horizon, to this share of its light."""
 RING_MM = 500.0
 """Between the rings on the floor."""
 MIN_RING_GAP_PX = 4.0
 """Rings end where they would be closer than this."""
 BODY_MM = 90.0
-"""Radius of the own robot as it is drawn."""
+"""Radius of the own robot."""
+BODY_GAP_PX = 1.5
+"""It is drawn so much smaller, so that there is floor before the nearest edge [px of the picture]."""
 
 COLORS: Mapping[str, Rgb] = {
     chr(ord(letter.default) + offset): letter.color for letter in all_letters() for offset in range(letter.count)
@@ -65,42 +73,96 @@ def draw_panorama(
             f"{len(radii_px)} radii and {len(letters)} letters: one letter for each of at least one radius"
         )
     scale = min(1.0, (HEIGHT_PX / 2.0 - MARGIN_PX) / mirror.horizon_px)
-    radius, turn = _polar(scale, clockwise)
-    sector, share, seen = _sectors(turn, len(letters), fov_deg)
-    edge = _edge_radii(np.asarray(radii_px, dtype=np.float64), letters, sector, share)
-    nearest = np.where(share < 0.5, sector, (sector + 1) % len(letters))
-    tones = np.array([colors.get(letter, UNDEFINED_COLOR) for letter in letters])
-    beyond = radius - edge
-    light = 0.35 + 0.65 * np.exp(-np.maximum(beyond, 0.0) / (FADE_LENGTH * mirror.horizon_px))
-    picture = np.where((beyond < 0.0)[..., None], _floor(radius, mirror), tones[nearest] * light[..., None])
+    canvas = _canvas(mirror, scale)
+    sectors = _sectors(mirror, scale, clockwise, len(letters), fov_deg)
+    start, slope = _edge_lines(np.asarray(radii_px, dtype=np.float32), letters)
+    half = sectors.half
+    beyond = canvas.radius - (start[half] + slope[half] * sectors.share)
+    tones = np.array([colors.get(letter, UNDEFINED_COLOR) for letter in letters], dtype=np.float32)
+    light = DIMMEST + (1.0 - DIMMEST) * np.exp(np.maximum(beyond, 0.0) * (-1.0 / (FADE_LENGTH * mirror.horizon_px)))
+    fine = np.take(np.stack([tones, np.roll(tones, -1, axis=0)], axis=1).reshape(-1, 3), half, axis=0)
+    fine *= light[..., None]
+    np.copyto(fine, canvas.floor, where=(beyond < 0.0)[..., None])
     if ball is not None:
-        _paint(picture, *_ball_disc(ball, scale, clockwise), BALL)
-    picture[(radius > mirror.horizon_px) | ~seen] = DARK
-    body_px = mirror.px_from_mm(BODY_MM) * scale
-    _paint(picture, 0.0, 0.0, body_px, BODY)
-    _paint(picture, 0.0, 0.6 * body_px, 0.16 * body_px, FRONT)
-    shape = (HEIGHT_PX, OVERSAMPLING, WIDTH_PX, OVERSAMPLING, 3)
-    return np.asarray(picture.reshape(shape).mean(axis=(1, 3)) + 0.5, dtype=np.uint8)
+        _paint(fine, canvas, _ball_disc(ball, scale, clockwise), BALL)
+    fine[sectors.dark] = DARK
+    body_px = mirror.px_from_mm(BODY_MM) * scale - BODY_GAP_PX
+    _paint(fine, canvas, (0.0, 0.0, body_px), BODY)
+    _paint(fine, canvas, (0.0, 0.6 * body_px, 0.16 * body_px), FRONT)
+    picture = np.full((HEIGHT_PX * WIDTH_PX, 3), DARK, dtype=np.uint8)
+    picture[canvas.pixels] = fine.sum(axis=0) * (1.0 / len(fine)) + 0.5
+    return picture.reshape(HEIGHT_PX, WIDTH_PX, 3)
+
+
+def draw_view(view: View, mirror: Mirror, options: Options) -> Bytes:
+    """Draw a client's view: red green blue, shape (240, 320, 3). mirror, options: those of its session."""
+    ball = view.ball
+    whole_deg = ball.size_deg * (2.0 if options.size == "half" else 1.0)
+    return draw_panorama(
+        np.where(view.px < 0, NOTHING_PX, view.px).astype(np.float64),
+        "".join(view.letters.tolist()),
+        None if ball.hidden else (float(ball.px), float(ball.direction_deg), whole_deg),
+        mirror,
+        fov_deg=(options.fov_deg, options.center_deg),
+        clockwise=options.sense == "cw",
+    )
+
+
+class _Canvas(NamedTuple):
+    """The pixels within the horizon, each with its fine pixels, 4 of them; all of shape (4, n) but pixels."""
+
+    pixels: NDArray[np.intp]
+    """Their places in the flat picture, shape (n,)."""
+    left: FloatImage
+    """Distance from the picture's center to the left [px]."""
+    up: FloatImage
+    radius: FloatImage
+    """R [px of the mirror's image]."""
+    floor: FloatImage
+    """Color of the floor, shape (4, n, 3)."""
+
+
+class _Sectors(NamedTuple):
+    """Where the fine pixels lie between the directions, shape (4, n)."""
+
+    half: NDArray[np.int32]
+    """Twice the number of the direction before it, plus one where the next one is nearer."""
+    share: FloatImage
+    """Fraction of the way from the one to the other."""
+    dark: Mask
+    """Beyond the horizon, or out of view."""
 
 
 @lru_cache(maxsize=8)
-def _plane() -> tuple[Floats, Floats]:
-    """Distance of each fine pixel from the picture's center, to the left and up [px]."""
+def _canvas(mirror: Mirror, scale: float) -> _Canvas:
     x = (np.arange(WIDTH_PX * OVERSAMPLING) + 0.5) / OVERSAMPLING - WIDTH_PX / 2.0
     y = (np.arange(HEIGHT_PX * OVERSAMPLING) + 0.5) / OVERSAMPLING - HEIGHT_PX / 2.0
-    left, down = np.meshgrid(-x, y)
-    return left, -down
+    shape = (HEIGHT_PX, OVERSAMPLING, WIDTH_PX, OVERSAMPLING)
+    left, up = (
+        plane.reshape(shape).transpose(1, 3, 0, 2).reshape(OVERSAMPLING**2, -1) for plane in np.meshgrid(-x, -y)
+    )
+    pixels = np.flatnonzero((np.hypot(left, up) <= mirror.horizon_px * scale).any(axis=0))
+    left, up = left[:, pixels], up[:, pixels]
+    radius = np.hypot(left, up) / scale
+    table = _floor_table(mirror)
+    floor = table[np.minimum((radius * 10.0).astype(np.int32), len(table) - 1)]
+    return _Canvas(pixels, *(plane.astype(np.float32) for plane in (left, up, radius, floor)))
 
 
 @lru_cache(maxsize=8)
-def _polar(scale: float, clockwise: bool) -> tuple[Floats, Floats]:
-    """R [px of the mirror's image] and direction [deg, 0..360] of each fine pixel."""
-    left, up = _plane()
-    turn = np.degrees(np.arctan2(-left if clockwise else left, up)) % 360.0
-    return np.hypot(left, up) / scale, turn
+def _sectors(mirror: Mirror, scale: float, clockwise: bool, count: int, fov_deg: tuple[float, float]) -> _Sectors:
+    canvas = _canvas(mirror, scale)
+    width, center = fov_deg
+    turn = np.degrees(np.arctan2(-canvas.left if clockwise else canvas.left, canvas.up, dtype=np.float64))
+    place = ((turn - (center - width / 2.0)) % 360.0) / (width / count)
+    sector = np.minimum(place.astype(np.int32), count - 1)
+    share = place - sector
+    if width < 360.0:
+        share[sector == count - 1] = 0.0  # the last direction has no next one
+    dark = (canvas.radius > mirror.horizon_px) | (place >= count)
+    return _Sectors(2 * sector + (share >= 0.5), share.astype(np.float32), dark)
 
 
-@lru_cache(maxsize=8)
 def _floor_table(mirror: Mirror) -> Floats:
     """The floor's color at each R, in tenths of a pixel."""
     steps = np.arange(math.ceil(mirror.horizon_px) * 10 + 1) / 10.0
@@ -113,38 +175,17 @@ def _floor_table(mirror: Mirror) -> Floats:
     return table
 
 
-def _floor(radius: Floats, mirror: Mirror) -> Floats:
-    table = _floor_table(mirror)
-    return table[np.minimum((radius * 10.0).astype(np.int32), len(table) - 1)]
+def _edge_lines(radii_px: FloatImage, letters: str) -> tuple[FloatImage, FloatImage]:
+    """The edge's radius over each half of a sector as a line: its value at share 0, and its slope; shape (2 n,).
 
-
-def _sectors(
-    turn: Floats, count: int, fov_deg: tuple[float, float]
-) -> tuple[NDArray[np.int32], Floats, NDArray[np.bool_]]:
-    """Of each fine pixel: the direction before it, its fraction of the way to the next one, whether it is in view."""
-    width, center = fov_deg
-    step = width / count
-    place = ((turn - (center - width / 2.0)) % 360.0) / step
-    sector = np.minimum(place.astype(np.int32), count - 1)
-    share = place - sector
-    if width < 360.0:
-        share[sector == count - 1] = 0.0  # the last direction has no next one
-    return sector, share, place < count
-
-
-def _edge_radii(radii_px: Floats, letters: str, sector: NDArray[np.int32], share: Floats) -> Floats:
-    """The edge's radius at each fine pixel: interpolated along one edge, a step between two edges.
-
-    R was cut to an integer, so the expected value is R + 1/2.
+    Interpolated along one edge, a step between two edges. R was cut to an integer, so the expected value is R + 1/2.
     """
-    here = radii_px + 0.5
+    here = radii_px + np.float32(0.5)
     there = np.roll(here, -1)
     types = np.array(list(letters))
     joined = (types == np.roll(types, -1)) & (np.abs(there - here) <= MAX_STEP * np.minimum(here, there))
-    step = np.where(joined, there - here, 0.0)
-    straight = here[sector] + step[sector] * share
-    nearest = np.where(share < 0.5, here[sector], there[sector])
-    return np.where(joined[sector], straight, nearest)
+    slope = np.where(joined, there - here, np.float32(0.0))
+    return np.column_stack([here, np.where(joined, here, there)]).reshape(-1), np.repeat(slope, 2)
 
 
 def _ball_disc(ball: tuple[float, float, float], scale: float, clockwise: bool) -> tuple[float, float, float]:
@@ -159,15 +200,8 @@ def _ball_disc(ball: tuple[float, float, float], scale: float, clockwise: bool) 
     )
 
 
-def _paint(picture: Floats, left: float, up: float, radius: float, color: Rgb) -> None:
-    """Draw a disc around a point into the picture. left, up, radius: [px of the picture]."""
-    lefts, ups = _plane()
-    rows = slice(*_window(HEIGHT_PX / 2.0 - up, radius, HEIGHT_PX))
-    columns = slice(*_window(WIDTH_PX / 2.0 - left, radius, WIDTH_PX))
-    inside = np.hypot(lefts[rows, columns] - left, ups[rows, columns] - up) <= radius
-    picture[rows, columns][inside] = color
-
-
-def _window(center: float, radius: float, length: int) -> tuple[int, int]:
-    first, last = math.floor((center - radius) * OVERSAMPLING), math.ceil((center + radius) * OVERSAMPLING)
-    return min(max(first, 0), length * OVERSAMPLING), min(max(last, 0), length * OVERSAMPLING)
+def _paint(fine: FloatImage, canvas: _Canvas, disc: tuple[float, float, float], color: Rgb) -> None:
+    """Draw a disc into the fine pixels. disc: left, up and radius [px of the picture]."""
+    left, up, radius = disc
+    inside = np.square(canvas.left - np.float32(left)) + np.square(canvas.up - np.float32(up)) <= radius * radius
+    fine[inside] = color

@@ -104,7 +104,7 @@ EDGE_TYPES: Final = (
     ),
     _object(
         EdgeKind.GOAL_BLUE, "the goal that blue defends", "models.field: goals", "G", "goal",
-        BLUE_ON_PAGE, Letter("goal_blue", "u", (24, 62, 160)),
+        BLUE_ON_PAGE, Letter("goal_blue", "u", (34, 38, 132)),
     ),
     _object(
         EdgeKind.GOAL_YELLOW, "the goal that yellow defends", "models.field: goals", "G", "goal",
