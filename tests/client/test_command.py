@@ -8,12 +8,15 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.client.fake import ScriptedServer
 from tests.net.serving import Stadium, running
 from vision_core.client import __main__ as command_module
 from vision_core.client.__main__ import main
+from vision_core.client.panorama import draw_panorama
+from vision_core.models.mirror import PAPER_MIRROR
 
 ROOT = Path(__file__).parents[2]
 ALONE = """
@@ -28,6 +31,8 @@ class Nothing(importlib.abc.MetaPathFinder):
 
 sys.meta_path.insert(0, Nothing())
 from vision_core.client.__main__ import main
+from vision_core.client.panorama import draw_panorama
+from vision_core.models.mirror import PAPER_MIRROR
 sys.exit(main())
 """
 
@@ -87,6 +92,37 @@ def test_what_goes_wrong_is_one_line_and_exit_2(
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("pslv client: ")
     assert complaint in line
+
+
+@pytest.mark.parametrize("as_json", [True, False])
+def test_an_own_camera_beside_the_views(
+    stadium: Stadium, tmp_path: Path, capsys: pytest.CaptureFixture[str], as_json: bool
+) -> None:
+    seen = np.ascontiguousarray(draw_panorama(np.full(360, 46.0), "w" * 360, (61, 121, 6), PAPER_MIRROR)[..., ::-1])
+    picture = tmp_path / "both.png"
+    more = ["--camera", "pictures", "--palette", "drawn", "--draw", str(picture), *(["--json"] if as_json else [])]
+    assert main(arguments(stadium, *more), lambda _: iter([seen, seen])) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2
+    if as_json:
+        camera = json.loads(lines[0])["camera"]
+        assert (camera["same_type"], camera["median_px"], camera["ball_px"]) == (1.0, 2.0, 0.0)
+        assert camera["edges"][0] == ["w", 46]
+    else:
+        assert "100.0 % of directions of the same type, distance off by 2.0 px (median)" in lines[0]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_own_camera_needs_a_reader_of_pictures_and_pictures(
+    stadium: Stadium, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments(stadium, "--camera", "a.png")) == 2
+    assert "the command pslv client" in capsys.readouterr().err
+    dark = np.zeros((240, 320, 3), dtype=np.uint8)
+    assert main(arguments(stadium, "--camera", "a.png"), lambda _: iter([dark])) == 2
+    assert "dark all over" in capsys.readouterr().err
+    assert main(arguments(stadium, "--camera", "a.png", "--scale", "-1"), lambda _: iter([dark])) == 2
+    assert "--scale" in capsys.readouterr().err
 
 
 def test_numpy_and_the_standard_library_are_enough(stadium: Stadium, tmp_path: Path) -> None:

@@ -1,14 +1,19 @@
 """The examples run against a playing server."""
 
+import math
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import pytest
 
 from tests.client.fake import ScriptedServer
 from tests.client.test_command import environment
 from tests.net.serving import Stadium, running
+from tests.onboard.scenes import Lab, lone_pair
+from vision_core.onboard.camera import RATE_HZ, SIZE_PX
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -18,6 +23,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
     [
         ("stdlib_client.py", "ahead w at 44 px, ball 61 px at 121 deg"),
         ("chase_ball.py", "something 133 mm ahead: drive around it"),
+        ("color_camera.py", "ball 61 px at 121 deg, nearest obstacle none"),
     ],
 )
 def test_an_example(name: str, expected: str) -> None:
@@ -76,3 +82,25 @@ def test_late_answers_are_passed_over_and_an_end_is_said(lost: int) -> None:
     assert done.stdout.count("1.000 s: ahead w at 44 px, ball hidden") == 2
     assert (done.returncode, done.stderr) == (1, "(error replaced)\n")
     assert server.heard == [b"(init blue 3)"] * (lost + 1) + [b"(bye)"]
+
+
+@pytest.mark.slow
+def test_the_color_program_runs_on_a_rendered_cameras_video_unchanged(tmp_path: Path) -> None:
+    lab, video = Lab(lone_pair()), tmp_path / "onboard.avi"
+    scene = lab.scene((0.0, 0.0, 0.0), (0.5, 0.5, 0.0), ball=(0.4, 0.0))
+    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), RATE_HZ, SIZE_PX)
+    for _ in range(2):
+        writer.write(lab.camera.picture(scene))
+    writer.release()
+    command = [sys.executable, str(EXAMPLES / "color_camera.py"), str(video)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment(), check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert len(lines) == 2
+    found = re.fullmatch(r"ball (\d+) px at (\d+) deg, nearest obstacle (\d+) px at (\d+) deg", lines[0])
+    assert found is not None
+    ball_px, ball_deg, robot_px, robot_deg = map(int, found.groups())
+    assert ball_px == pytest.approx(lab.px_of(400.0), abs=4)  # its middle is seen over the floor behind it
+    assert (ball_deg + 180) % 360 - 180 == pytest.approx(0, abs=2)
+    assert robot_px == pytest.approx(lab.px_of(1000.0 * math.hypot(0.5, 0.5) - 90.0), abs=3)
+    assert robot_deg == pytest.approx(45, abs=6)

@@ -13,8 +13,11 @@ goes on. Once a second it reports its share of the lag: from a view's arrival to
 normal when the camera does not see the robot: ``receive`` then returns None and raises nothing. Distances in
 millimetres depend on the mirror: ``connect`` raises if it is neither given nor told by the server.
 
-It needs NumPy and the standard library only, on any system. Files: ``connection``, ``view``, ``lag``, and ``__main__``,
-the command ``python -m vision_core.client``.
+A program that was written for a camera takes ``camera.Camera`` in its place: the views as pictures (``panorama``).
+``recognition`` is the other way round, from an on-board picture to a view; ``comparison`` puts both beside each other.
+
+It needs NumPy and the standard library only, on any system. Files: ``connection``, ``view``, ``lag``, ``camera``,
+``panorama``, ``png``, ``comparison``, ``own_camera``, and ``__main__``, the command ``python -m vision_core.client``.
 """
 
 from vision_core.client.connection import Connection, connect

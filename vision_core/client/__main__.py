@@ -9,12 +9,14 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from vision_core.client.connection import RESTART_S, Connection, connect
+from vision_core.client.own_camera import OpenPictures, OwnCamera, add_camera_options, own_camera
+from vision_core.client.panorama import draw_view
+from vision_core.client.png import write_png
 from vision_core.client.view import View
 from vision_core.clock import MonotonicClock, after, seconds_between
 from vision_core.errors import PslvError
+from vision_core.geometry import Bytes
 from vision_core.models.mirror import Mirror
 from vision_core.protocol.error_codes import MEANINGS, ErrorCode
 from vision_core.protocol.messages import MAX_NUMBER
@@ -29,14 +31,18 @@ MAX_VIEWS = 10**9
 MAX_PORT = 65535
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code: 0, also after Ctrl-C; 2 with one line on what went wrong."""
+def main(arguments: Sequence[str] | None = None, open_pictures: OpenPictures | None = None) -> int:
+    """Run the command; returns its exit code: 0, also after Ctrl-C; 2 with one line on what went wrong.
+
+    open_pictures: reads the pictures of a file or folder for ``--camera``: NumPy alone reads none.
+    """
     asked = _parser().parse_args(arguments)
     logging.basicConfig(format="pslv client: %(message)s", force=True)
     try:
         mirror = Mirror(*asked.mirror) if asked.mirror else None
         options = Options(types=asked.types, rate_hz=asked.rate, mirror=mirror)
         field_mirror = Mirror(*asked.field_mirror) if asked.field_mirror else None
+        eye = own_camera(asked, open_pictures) if asked.camera else None
         robot = connect(
             asked.host,
             asked.port,
@@ -48,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         with robot:
             views = itertools.islice(_views(robot, asked.timeout), asked.count)
-            _show(views, robot, as_json=asked.json, picture=asked.draw)
+            _show(views, robot, eye, as_json=asked.json, picture=asked.draw)
     except PslvError as error:
         print(f"pslv client: {error}", file=sys.stderr)
         return FAILED
@@ -83,24 +89,6 @@ def sentence_from_view(view: View) -> str:
     return f"{view.time_s:10.3f} s, {view.summary}"
 
 
-def draw(view: View, robot: Connection, path: Path) -> None:
-    """Write the view as the simulated on-board picture of the paper's figure 6."""
-    from vision_core.client.panorama import draw_panorama
-    from vision_core.client.png import write_png
-
-    options, ball = robot.init.options, view.ball
-    whole_deg = ball.size_deg * (2.0 if options.size == "half" else 1.0)
-    picture = draw_panorama(
-        np.where(view.px < 0, 255.0, view.px),
-        "".join(view.letters.tolist()),
-        None if ball.hidden else (float(ball.px), float(ball.direction_deg), whole_deg),
-        robot.mirror,
-        fov_deg=(options.fov_deg, options.center_deg),
-        clockwise=options.sense == "cw",
-    )
-    write_png(path, picture)
-
-
 def _views(robot: Connection, timeout_s: float) -> Iterator[View]:
     """Views as they arrive; prints the reason of a gap. Raises PslvError unless the first one arrives in time."""
     clock = MonotonicClock()
@@ -128,15 +116,29 @@ def _why_silent(robot: Connection) -> str:
     return f"connected as {name} from port {robot.port}, but the camera does not see it"
 
 
-def _show(views: Iterator[View], robot: Connection, *, as_json: bool, picture: Path | None) -> None:
-    """Print views; draw the last one at the end, also after Ctrl-C."""
+def _show(
+    views: Iterator[View], robot: Connection, eye: OwnCamera | None, *, as_json: bool, picture: Path | None
+) -> None:
+    """Print views, beside the camera's pictures if there are some; draw the last one at the end, also after Ctrl-C."""
     last = None
     try:
-        for last in views:
-            print(json.dumps(plain_from_view(last)) if as_json else sentence_from_view(last), flush=True)
+        for view in views:
+            told, said = plain_from_view(view), sentence_from_view(view)
+            if eye is not None:
+                if not eye.look(view, robot.mirror):
+                    break
+                told["camera"], said = eye.plain, f"{said}; camera: {eye.sentence}"
+            last = view
+            print(json.dumps(told) if as_json else said, flush=True)
     finally:
         if picture is not None and last is not None:
-            draw(last, robot, picture)
+            write_png(picture, drawing_of(last, robot, eye))
+
+
+def drawing_of(view: View, robot: Connection, eye: OwnCamera | None) -> Bytes:
+    """The view as the simulated on-board picture of the paper's figure 6, with a camera's beside it; red green blue."""
+    options = robot.init.options
+    return draw_view(view, robot.mirror, options) if eye is None else eye.draw(view, robot.mirror, options)
 
 
 def _within(minimum: int, maximum: int) -> Callable[[str], int]:
@@ -188,6 +190,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--field-mirror", type=float, nargs=3, metavar=abc, help=field_mirror_help)
     timeout_help = "wait so long for the server's answer, and then for the first view [%(default)g s]"
     add("--timeout", type=_seconds, default=5.0, metavar="S", help=timeout_help)
+    add_camera_options(parser)
     return parser
 
 
