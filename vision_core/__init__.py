@@ -8,7 +8,7 @@ Top to bottom; who stands lower imports nobody above (held by the contracts in p
     setup/        a new venue from pictures, step by step
     onboard/      what a robot's own camera would show, ray by ray
     evaluation/   how good recognition is on files: stills, overlay, score
-    client/       for teams: connect, views, panorama; numpy alone
+    client/       for teams: connect, views, panorama, camera, recognition; numpy alone
     tasks/        table.py is read first, then one file per task
     palette/      the colors of a venue: found in pictures, and followed when the light changes
     pipeline/     several stages in one compiled call
