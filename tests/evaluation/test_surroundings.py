@@ -7,6 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import app
+from vision_core.calibration.job import MirrorJob, NamedPair, OnboardView, PictureFile
+from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import World
 from vision_core.errors import SettingsError, SourceError
@@ -18,6 +20,7 @@ from vision_core.native.opencv import write_picture
 from vision_core.onboard.camera import OnboardCamera
 from vision_core.onboard.truth import first_solids
 from vision_core.settings.schema import Settings
+from vision_core.startup.mirror_pairs import pairs_for
 from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings
 
@@ -68,6 +71,20 @@ def test_pictures_of_both_cameras_give_the_mirror(taken: tuple[Settings, Path], 
     mirror = mirror_of(load_settings(str(venue)).mirror, Team.BLUE)
     distances = np.linspace(200.0, 2500.0, 40)
     assert mirror.px_from_mm(distances) == pytest.approx(PAPER_MIRROR.px_from_mm(distances), abs=0.6)
+
+
+def test_a_job_takes_pairs_from_both_cameras(taken: tuple[Settings, Path]) -> None:
+    settings, folder = taken
+    picture = PictureFile(str(folder / "onboard-1.png"), "b.png")
+    view = OnboardView(picture, "", str(folder / "ceiling-1.png"), Team.BLUE, 1, None, 1.0)
+    steps: list[str] = []
+    job = MirrorJob(settings, (NamedPair(61.5, 380.0, "the ball"),), (view,), Rounding.AUTO, None)
+    pairs = pairs_for(job, lambda what, _share: steps.append(what))
+    assert pairs.names[0] == "the ball"
+    assert len(pairs) > 150
+    assert steps[0] == "looking what stands around the robot of b.png"
+    off = pairs.measured_px - PAPER_MIRROR.px_from_mm(pairs.distances_mm)
+    assert abs(np.median(off)) < 0.3
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from msgspec import Struct
 from vision_core.calibration.mirror.fit import FocalPrior
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.settings.schema import Settings
+from vision_core.types.objects import Team
 
 
 class PictureFile(Struct, frozen=True):
@@ -49,15 +50,44 @@ class NamedPair(Struct, frozen=True):
     """What messages call it."""
 
 
+class OnboardView(Struct, frozen=True):
+    """An on-board picture, and what stands around the robot."""
+
+    picture: PictureFile
+    text: str
+    """CSV of directions and distances; empty: the ceiling camera's picture says it."""
+    ceiling: str
+    """Path of the ceiling camera's picture of the same instant."""
+    team: Team
+    number: int
+    """Of the robot in it."""
+    center_px: tuple[float, float] | None
+    """Of the mirror's image; None: the picture's middle."""
+    scale: float
+    """Pixels of the picture per pixel of equation 1."""
+
+
+class EdgeJob(Struct, frozen=True, tag=True):
+    """The edge of a target in an on-board picture: a ``RadialEdge``."""
+
+    picture: PictureFile
+    center_px: tuple[float, float] | None
+    place_px: tuple[float, float] | None
+    """Near it, a click; None: the strongest edge in the direction."""
+    direction_rad: float
+
+
 class MirrorJob(Struct, frozen=True, tag=True):
     """Fit the mirror of the on-board cameras to pairs: a ``MirrorCalibration``."""
 
     settings: Settings
     """Their field is what the mirror has to resolve."""
     pairs: tuple[NamedPair, ...]
+    views: tuple[OnboardView, ...]
+    """Pictures that give further pairs."""
     rounding: Rounding
     prior: FocalPrior | None
     """Of the on-board camera; None: not known."""
 
 
-CalibrationJob: TypeAlias = CameraJob | LensJob | MirrorJob
+CalibrationJob: TypeAlias = CameraJob | LensJob | MirrorJob | EdgeJob

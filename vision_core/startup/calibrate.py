@@ -1,8 +1,8 @@
 """Short process beside a running service: calibrates the camera by pictures of the field, its lens by a board, or the
-mirror of the on-board cameras by pairs.
+mirror of the on-board cameras by pairs and pictures; or finds an edge in an on-board picture.
 
 Standard input has a ``CalibrationJob`` in msgpack. Standard output gets a ``JobStep`` per line; the last has the
-``Calibration``, ``LensCalibration`` or ``MirrorCalibration``, or an error.
+``Calibration``, ``LensCalibration``, ``MirrorCalibration`` or ``RadialEdge``, or an error.
 """
 
 import os
@@ -13,18 +13,16 @@ import msgspec
 import numpy as np
 
 from vision_core.calibration.board.lens import calibrate_lens
-from vision_core.calibration.board.result import LensCalibration
-from vision_core.calibration.job import CalibrationJob, CameraJob, LensJob, MirrorJob
-from vision_core.calibration.mirror.pairs import pairs_of
-from vision_core.calibration.mirror.result import MirrorCalibration
+from vision_core.calibration.job import CalibrationJob, CameraJob, EdgeJob, LensJob, MirrorJob
 from vision_core.calibration.mirror.verdict import calibrate_mirror
-from vision_core.calibration.result import Calibration, Progress
+from vision_core.calibration.result import Progress
 from vision_core.calibration.solve import calibrate, from_other_end
 from vision_core.calibration.start import Start, start_from_corners, start_from_settings
 from vision_core.errors import PslvError
 from vision_core.native.opencv import read_picture
 from vision_core.pipeline.calibration_check import checked_by_robots
 from vision_core.scheduling.attachment import end_with
+from vision_core.startup.mirror_pairs import find_edge, pairs_for
 from vision_core.types.job_step import JobStep
 
 
@@ -38,11 +36,12 @@ def main() -> None:
         _tell(JobStep("refused", 1.0, error=str(error)))
 
 
-def run(job: CalibrationJob, progress: Progress) -> Calibration | LensCalibration | MirrorCalibration:
+def run(job: CalibrationJob, progress: Progress) -> object:
     """The result of a job. Raises PslvError for pictures that cannot be read, and corners that no camera sees so."""
+    if isinstance(job, EdgeJob):
+        return find_edge(job)
     if isinstance(job, MirrorJob):
-        rows, names = [(pair.r_px, pair.r_mm) for pair in job.pairs], [pair.name for pair in job.pairs]
-        return calibrate_mirror(pairs_of(rows, names, job.rounding), job.prior, job.settings.field, progress=progress)
+        return calibrate_mirror(pairs_for(job, progress), job.prior, job.settings.field, progress=progress)
     pictures = [read_picture(Path(one.path)) for one in job.pictures]
     names = [one.name for one in job.pictures]
     if isinstance(job, LensJob):

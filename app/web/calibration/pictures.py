@@ -97,6 +97,24 @@ class CalibrationPictures:
             size = looked.width_px, looked.height_px
             self._pictures[self._made] = CalibrationPicture(self._made, kind, name[:NAME_LENGTH], path, size)
 
+    def beside(self, name: str, pixels: Bytes) -> Path:
+        """Keep a picture that is none of them, until the next one of this name; shape (height, width, 3)."""
+        with self._lock:
+            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            path = self._folder / name
+            path.write_bytes(encode_png(pixels))
+            return path
+
+    def file(self, number: int, kind: Shown) -> PictureFile:
+        """One of them for a job. Raises RequestRefused when there is none of this number and kind."""
+        found = self.picture(number)
+        if found.kind is not kind:
+            accepted = ", ".join(str(one.number) for one in self.of(kind)) or "a picture first"
+            raise RequestRefused(
+                HTTPStatus.NOT_FOUND, f"picture {number}", found=f"one of a {found.kind}", accepted=accepted
+            )
+        return PictureFile(str(found.path), found.name)
+
     def remove(self, number: int) -> None:
         """Take a picture out. Raises RequestRefused."""
         with self._lock:

@@ -54,7 +54,7 @@ def calibration_routes(blackboard: Blackboard, configuration: Configuration) -> 
     _picture_routes(router, job, blackboard, configuration)
     _job_routes(router, job, configuration)
     _end_routes(router, job, configuration)
-    add_mirror_routes(router, job, configuration)
+    add_mirror_routes(router, job, blackboard, configuration)
     return router
 
 

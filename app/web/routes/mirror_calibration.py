@@ -4,23 +4,32 @@ A fit runs as the other calibrations do: one at a time, in a process of its own;
 far it is and has the result.
 """
 
+import math
+from collections.abc import Sequence
 from http import HTTPStatus
 from typing import Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, HTTPException
 from pydantic import ConfigDict, Field
 
+from app.web.blackboard import Blackboard
 from app.web.calibration.job import CameraCalibration
+from app.web.calibration.pictures import MAX_PICTURES, CalibrationPictures, Shown
 from app.web.configuration.configuration import Configuration
 from app.web.problems import RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.calibration import CalibrationReport, calibration_from
-from app.web.venue.asking import refused
-from vision_core.calibration.job import MirrorJob, NamedPair
+from app.web.venue.asking import asked, refused
+from vision_core.calibration.job import EdgeJob, MirrorJob, NamedPair, OnboardView
 from vision_core.calibration.mirror.fit import focal_prior
 from vision_core.calibration.mirror.pairs import MAX_BYTES, MAX_PAIRS, Pairs, pairs_from_text, pairs_of
 from vision_core.calibration.mirror.rounding import Rounding
+from vision_core.calibration.mirror.target_edge import RadialEdge
+from vision_core.types.objects import Team
+from vision_core.types.tables import MAX_NUMBERS
 
+CEILING = "ceiling.png"
+"""The newest picture of the camera in use, for the job."""
 Name = Annotated[str, Field(max_length=60)]
 
 
@@ -35,14 +44,63 @@ class TypedPair(Report):
     """What messages call it; empty: "row 1" and so on."""
 
 
+Place = tuple[float, float]
+Scale = Annotated[float, Field(ge=0.01, le=100.0)]
+
+
+class AroundRequest(Report):
+    """An on-board picture, taken while the robot stands still, and what stands around it."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    picture: int
+    """Number of a picture of kind onboard."""
+    team: Team = Team.BLUE
+    number: Annotated[int, Field(ge=1, le=MAX_NUMBERS)] = 1
+    """Of the robot: where it stands, and what around it, is measured in the newest picture of the camera in use."""
+    text: Annotated[str, Field(max_length=MAX_BYTES)] = ""
+    """Directions [deg, anticlockwise from the heading] and distances [mm] as CSV, instead of measuring them."""
+    center_px: Place | None = None
+    """Of the mirror's image; null: the picture's middle."""
+    scale: Scale = 1.0
+    """Pixels of the picture per pixel of equation 1."""
+
+
+class EdgeRequest(Report):
+    """Where the edge of a target is in an on-board picture."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    picture: int
+    """Number of a picture of kind onboard."""
+    place_px: Place | None = None
+    """A click near the edge; null: the strongest edge in the direction."""
+    direction_deg: float = 0.0
+    """Anticlockwise from the heading, which is up."""
+    center_px: Place | None = None
+    scale: Scale = 1.0
+
+
+class EdgeReport(Report):
+    """An edge."""
+
+    r_px: float
+    """Its distance from the center, in pixels of equation 1."""
+    direction_deg: float
+    place_px: Place
+    """In the picture."""
+
+
 class MirrorRequest(Report):
-    """Pairs, typed or as text, and what is known of the on-board camera."""
+    """Pairs, typed, as text or from pictures, and what is known of the on-board camera."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     pairs: Annotated[tuple[TypedPair, ...], Field(max_length=MAX_PAIRS)] = ()
     text: Annotated[str, Field(max_length=MAX_BYTES)] = ""
     """Pasted, or a CSV file: radius [px] and distance [mm], or a header that names the units. Beside pairs or alone."""
+    around: Annotated[tuple[AroundRequest, ...], Field(max_length=MAX_PICTURES)] = ()
+    """Pictures that give hundreds of pairs each, beside those or alone."""
     rounding: Rounding = Rounding.AUTO
     """Are radii cut to whole numbers? int: yes, as in ``see``; exact: no; auto: if all of them are whole."""
     focal_px: Annotated[float, Field(ge=1.0, le=1e5)] | None = None
@@ -51,7 +109,9 @@ class MirrorRequest(Report):
     """Its standard deviation; null: a tenth of it."""
 
 
-def add_mirror_routes(router: APIRouter, job: CameraCalibration, configuration: Configuration) -> None:
+def add_mirror_routes(
+    router: APIRouter, job: CameraCalibration, blackboard: Blackboard, configuration: Configuration
+) -> None:
     """Fitting a mirror."""
 
     @router.post("/mirror", status_code=HTTPStatus.ACCEPTED)
@@ -61,8 +121,47 @@ def add_mirror_routes(router: APIRouter, job: CameraCalibration, configuration: 
         pairs = _pairs(wanted)
         rows = zip(pairs.radii_px.tolist(), pairs.distances_mm.tolist(), pairs.names, strict=True)
         prior = None if wanted.focal_px is None else focal_prior(wanted.focal_px, wanted.focal_deviation_px)
-        job.fit(MirrorJob(configuration.settings, tuple(NamedPair(*row) for row in rows), pairs.rounding, prior))
+        typed = tuple(NamedPair(*row) for row in rows)
+        job.check_idle()
+        views = _views(wanted.around, job.pictures, blackboard)
+        job.fit(MirrorJob(configuration.settings, typed, views, pairs.rounding, prior))
         return calibration_from(job, configuration.settings)
+
+    @router.post("/mirror/edge")
+    def edge(wanted: EdgeRequest) -> EdgeReport:
+        """Finds the edge of a target in an on-board picture, to a part of a pixel: the radius of a pair."""
+        picture = job.pictures.file(wanted.picture, Shown.ONBOARD)
+        direction = math.radians(wanted.direction_deg)
+        found = asked(EdgeJob(picture, wanted.center_px, wanted.place_px, direction), RadialEdge, "the edge")
+        return EdgeReport(
+            r_px=found.radius_px / wanted.scale,
+            direction_deg=math.degrees(found.direction_rad),
+            place_px=found.place_px,
+        )
+
+
+def _views(
+    around: Sequence[AroundRequest], pictures: CalibrationPictures, blackboard: Blackboard
+) -> tuple[OnboardView, ...]:
+    """Pictures with what stands around their robots. Raises RequestRefused, and HTTPException without an image yet."""
+    ceiling = ""
+    if any(not one.text for one in around):
+        newest = blackboard.picture()
+        if newest is None:
+            raise HTTPException(HTTPStatus.SERVICE_UNAVAILABLE, "no image yet")
+        ceiling = str(pictures.beside(CEILING, newest.pixels))
+    return tuple(
+        OnboardView(
+            pictures.file(one.picture, Shown.ONBOARD),
+            one.text,
+            ceiling,
+            one.team,
+            one.number,
+            one.center_px,
+            one.scale,
+        )
+        for one in around
+    )
 
 
 def _pairs(wanted: MirrorRequest) -> Pairs:

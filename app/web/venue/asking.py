@@ -1,4 +1,4 @@
-"""Short jobs of the set-up in a process of their own, whose errors refuse the request that asked for them."""
+"""Short jobs of set-up and calibration in a process of their own; their errors refuse the request that asked."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,16 +9,17 @@ import msgspec
 
 from app.web.background import ask
 from app.web.problems import RequestRefused
+from vision_core.calibration.job import EdgeJob
 from vision_core.errors import PslvError
 from vision_core.setup.jobs import SetupJob
-from vision_core.startup import SET_UP
+from vision_core.startup import CALIBRATE, SET_UP
 
 T = TypeVar("T")
 
 
-def asked(job: SetupJob, form: type[T], what: str) -> T:
+def asked(job: SetupJob | EdgeJob, form: type[T], what: str) -> T:
     """What a short job finds. what: what messages call it. Raises RequestRefused."""
-    step = ask(SET_UP, msgspec.msgpack.encode(job), what)
+    step = ask(CALIBRATE if isinstance(job, EdgeJob) else SET_UP, msgspec.msgpack.encode(job), what)
     found = step.found(form)
     if found is None:
         question, found_words, accepted = _parts(step.error, what)

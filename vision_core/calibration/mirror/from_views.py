@@ -74,9 +74,17 @@ class Surroundings:
 
     @classmethod
     def read(cls, path: Path) -> "Surroundings":
-        """Those of a CSV file with directions [deg] and distances [mm] (``table``). Raises SettingsError."""
+        """Those of a file. Raises SettingsError."""
         asked = f"surroundings {path}"
-        rows = rows_of(read_text(path, asked, SettingsError, max_bytes=MAX_BYTES), DIRECTIONS, asked)
+        return cls.from_text(read_text(path, asked, SettingsError, max_bytes=MAX_BYTES), asked)
+
+    @classmethod
+    def from_text(cls, text: str, asked: str) -> "Surroundings":
+        """Those of CSV with directions [deg] and distances [mm] (``table``). asked: what messages call it.
+
+        Raises SettingsError naming its line.
+        """
+        rows = rows_of(text, DIRECTIONS, asked)
         directions, distances = np.array([row.values for row in rows]).T
         if not (distances > 0.0).all():
             line = rows[int(np.argmax(distances <= 0.0))].line

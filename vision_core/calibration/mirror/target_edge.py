@@ -15,11 +15,15 @@ from vision_core.geometry import Bytes, Floats
 STEP_PX = 0.25
 ACROSS_PX = np.linspace(-1.5, 1.5, 7)
 """Rays beside each other that are averaged."""
-SMOOTH = 5
-"""Steps of a profile that are averaged: blur and noise of about a pixel."""
+KERNEL = np.convolve(np.ones(5), np.ones(5)) / 25.0
+"""Smooths a profile by two pixels' widths: pixels and their interpolation leave one slope of an edge, not several."""
+MARGIN = len(KERNEL)
+"""Steps that a profile reaches beyond the radii that count."""
 MIN_CHANGE = 8.0
 """Slope of the weakest edge [grey levels per pixel]."""
 MIN_RADIUS_PX = 4.0
+WIDE = 10
+"""Steps to either side of an edge's middle that belong to it."""
 APART_PX = 1.5
 """Edges of one ray are at least so far apart."""
 CLICK_PX = 12.0
@@ -95,14 +99,13 @@ class Profile:
 def profile_along(pixels: Bytes, center_px: Point, direction_rad: float, between_px: tuple[float, float]) -> Profile:
     """The colors in a direction between two radii, and somewhat beyond. pixels: shape (height, width, 3)."""
     low, high = max(between_px[0], MIN_RADIUS_PX), between_px[1]
-    margin = SMOOTH * STEP_PX
+    margin = MARGIN * STEP_PX
     radii = np.arange(low - margin, max(high, low) + margin + STEP_PX, STEP_PX)
     forward = np.array([-math.sin(direction_rad), -math.cos(direction_rad)])
     across = np.array([-forward[1], forward[0]])
     places = np.asarray(center_px) + radii[:, None, None] * forward + ACROSS_PX[:, None] * across
     colors = np.stack([sampled(pixels[..., c].astype(np.float32), places).mean(axis=1) for c in range(3)], axis=-1)
-    kernel = np.ones(SMOOTH) / SMOOTH
-    smooth = np.stack([np.convolve(colors[:, c], kernel, mode="same") for c in range(3)], axis=-1)
+    smooth = np.stack([np.convolve(colors[:, c], KERNEL, mode="same") for c in range(3)], axis=-1)
     return Profile(direction_rad, radii, smooth, (low, high))
 
 
@@ -110,11 +113,11 @@ def edges_of(profile: Profile, center_px: Point) -> list[RadialEdge]:
     """The edges of a profile, outward."""
     slopes = np.gradient(profile.colors, STEP_PX, axis=0)
     change = np.nan_to_num(np.sqrt((slopes**2).sum(axis=1)))
-    change[:SMOOTH] = change[-SMOOTH:] = 0.0  # there the mean reaches beyond the profile
+    change[: MARGIN // 2 + 1] = change[-MARGIN // 2 :] = 0.0  # there the kernel reaches beyond the profile
     x, y = center_px
     found = []
     for number in _peaks(change):
-        radius = float(profile.radii_px[number]) + STEP_PX * _vertex(change[number - 1 : number + 2])
+        radius = float(profile.radii_px[0]) + STEP_PX * _middle(change, number)
         if not profile.between_px[0] <= radius <= profile.between_px[1]:
             continue
         place = x - radius * math.sin(profile.direction_rad), y - radius * math.cos(profile.direction_rad)
@@ -133,8 +136,16 @@ def _peaks(change: Floats) -> list[int]:
     return sorted(kept)
 
 
-def _vertex(values: Floats) -> float:
-    """Where the parabola through three values at -1, 0, 1 is highest."""
-    before, middle, after = values.tolist()
-    bend = before - 2.0 * middle + after
-    return 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+def _middle(change: Floats, peak: int) -> float:
+    """Where the middle of a peak lies, as a place in change: its centroid, between the valleys beside it.
+
+    Pixels and their interpolation move the highest place, but not the centroid.
+    """
+    first, last = peak, peak
+    while first > 0 and peak - first < WIDE and change[first - 1] < change[first]:
+        first -= 1
+    while last < len(change) - 1 and last - peak < WIDE and change[last + 1] < change[last]:
+        last += 1
+    weights = change[first : last + 1] - max(change[first], change[last])
+    weights = weights.clip(min=0.0) if weights.max() > 0.0 else np.ones_like(weights)
+    return float(np.average(np.arange(first, last + 1), weights=weights))

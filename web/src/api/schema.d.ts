@@ -198,6 +198,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calibration/mirror/edge": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Edge
+         * @description Finds the edge of a target in an on-board picture, to a part of a pixel: the radius of a pair.
+         */
+        post: operations["edge_api_v1_calibration_mirror_edge_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calibration/pictures": {
         parameters: {
             query?: never;
@@ -1730,6 +1750,45 @@ export interface components {
             text: string;
         };
         /**
+         * AroundRequest
+         * @description An on-board picture, taken while the robot stands still, and what stands around it.
+         */
+        AroundRequest: {
+            /**
+             * Center Px
+             * @description Of the mirror's image; null: the picture's middle.
+             */
+            center_px?: [
+                number,
+                number
+            ] | null;
+            /**
+             * Number
+             * @description Of the robot: where it stands, and what around it, is measured in the newest picture of the camera in use.
+             * @default 1
+             */
+            number: number;
+            /**
+             * Picture
+             * @description Number of a picture of kind onboard.
+             */
+            picture: number;
+            /**
+             * Scale
+             * @description Pixels of the picture per pixel of equation 1.
+             * @default 1
+             */
+            scale: number;
+            /** @default blue */
+            team: components["schemas"]["Team"];
+            /**
+             * Text
+             * @description Directions [deg, anticlockwise from the heading] and distances [mm] as CSV, instead of measuring them.
+             * @default
+             */
+            text: string;
+        };
+        /**
          * AuditReport
          * @description What somebody did.
          */
@@ -2448,6 +2507,62 @@ export interface components {
             name: string;
             /** Width Px */
             width_px: number;
+        };
+        /**
+         * EdgeReport
+         * @description An edge.
+         */
+        EdgeReport: {
+            /** Direction Deg */
+            direction_deg: number;
+            /**
+             * Place Px
+             * @description In the picture.
+             */
+            place_px: [
+                number,
+                number
+            ];
+            /**
+             * R Px
+             * @description Its distance from the center, in pixels of equation 1.
+             */
+            r_px: number;
+        };
+        /**
+         * EdgeRequest
+         * @description Where the edge of a target is in an on-board picture.
+         */
+        EdgeRequest: {
+            /** Center Px */
+            center_px?: [
+                number,
+                number
+            ] | null;
+            /**
+             * Direction Deg
+             * @description Anticlockwise from the heading, which is up.
+             * @default 0
+             */
+            direction_deg: number;
+            /**
+             * Picture
+             * @description Number of a picture of kind onboard.
+             */
+            picture: number;
+            /**
+             * Place Px
+             * @description A click near the edge; null: the strongest edge in the direction.
+             */
+            place_px?: [
+                number,
+                number
+            ] | null;
+            /**
+             * Scale
+             * @default 1
+             */
+            scale: number;
         };
         /**
          * EdgeTypeReport
@@ -3300,9 +3415,15 @@ export interface components {
         };
         /**
          * MirrorRequest
-         * @description Pairs, typed or as text, and what is known of the on-board camera.
+         * @description Pairs, typed, as text or from pictures, and what is known of the on-board camera.
          */
         MirrorRequest: {
+            /**
+             * Around
+             * @description Pictures that give hundreds of pairs each, beside those or alone.
+             * @default []
+             */
+            around: components["schemas"]["AroundRequest"][];
             /**
              * Focal Deviation Px
              * @description Its standard deviation; null: a tenth of it.
@@ -5328,6 +5449,75 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    edge_api_v1_calibration_mirror_edge_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["EdgeRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EdgeReport"];
                 };
             };
             /** @description Nobody is logged in */

@@ -6,8 +6,14 @@ import httpx
 import numpy as np
 import pytest
 
+from app.web.blackboard import Blackboard
 from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from tests.calibration.mirror.pictures import around
+from vision_core.geometry import Bytes
 from vision_core.models.mirror import PAPER_MIRROR
+from vision_core.native.opencv import encode_png
+
+FILE = {"Content-Type": "application/octet-stream"}
 
 DISTANCES = [110.0, 150.0, 220.0, 300.0, 380.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 2750.0]
 PAIRS = [{"r_px": round(PAPER_MIRROR.px_from_mm(mm), 1), "r_mm": mm} for mm in DISTANCES]
@@ -70,3 +76,44 @@ def test_text_is_refused_by_line_and_too_few_pairs_with_what_is_missing(http: ht
     assert bad.json()["field"] == "focal_px"
     long = fitted(http, {"text": "\n".join([TEXT] + TEXT.splitlines()[1:] * 100)})
     assert len(long["pairs"]) == 1111  # type: ignore[arg-type]
+
+
+def given(http: httpx.Client, name: str, pixels: Bytes) -> int:
+    """Give an on-board picture; its number."""
+    answer = http.post(f"/calibration/pictures?of=onboard&name={name}", content=encode_png(pixels), headers=FILE)
+    assert answer.status_code == 200, answer.text
+    return int(answer.json()["onboard"][-1]["number"])
+
+
+def test_a_click_on_a_target_gives_the_radius_of_a_pair(http: httpx.Client) -> None:
+    number = given(http, "a.png", around(np.full(360, 61.3)))
+    edge = http.post("/calibration/mirror/edge", json={"picture": number, "place_px": [159.5, 62.0]})
+    assert edge.status_code == 200, edge.text
+    assert edge.json()["r_px"] == pytest.approx(61.3, abs=0.15)
+    assert edge.json()["place_px"][1] == pytest.approx(119.5 - edge.json()["r_px"])
+    rim = http.post("/calibration/mirror/edge", json={"picture": number, "direction_deg": 90.0, "scale": 2.0}).json()
+    assert rim["r_px"] == pytest.approx(115.0 / 2.0, abs=0.2)
+    none = http.post("/calibration/mirror/edge", json={"picture": number, "place_px": [159.5, 85.0]})
+    assert (none.status_code, none.json()["asked"]) == (422, "an edge in a.png")
+    assert http.post("/calibration/mirror/edge", json={"picture": 999}).status_code == 404
+    assert http.delete("/calibration/pictures?of=onboard").json()["onboard"] == []
+
+
+def test_a_picture_and_what_stands_around_the_robot(http: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    distances = 300.0 + 1500.0 * np.abs(np.sin(np.radians(np.arange(360.0))))
+    number = given(http, "b.png", around(PAPER_MIRROR.px_from_mm(distances)))
+    text = "\n".join(f"{degree} {distance:.1f}" for degree, distance in enumerate(distances.tolist()))
+    found = fitted(http, {"around": [{"picture": number, "text": text}], "focal_px": 300.0})
+    assert found["accepted"], found["reasons"]
+    pairs = found["pairs"]
+    assert isinstance(pairs, list)
+    assert len(pairs) > 300
+    assert pairs[0]["name"].startswith("b.png at ")
+
+    monkeypatch.setattr(Blackboard, "picture", lambda _self: None)
+    refused = http.post("/calibration/mirror", json={"around": [{"picture": number, "team": "yellow", "number": 2}]})
+    assert (refused.status_code, refused.json()["detail"]) == (503, "no image yet")
+    bad = http.post("/calibration/mirror", json={"around": [{"picture": number, "text": "0;x"}]})
+    assert bad.status_code == 202
+    wait_for(lambda: http.get("/calibration").json()["state"] != "running", 90.0)
+    assert "stands around the robot of b.png, line 1" in http.get("/calibration").json()["error"]
