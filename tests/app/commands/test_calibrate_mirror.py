@@ -109,7 +109,7 @@ def test_pictures_of_a_target_at_known_distances(tmp_path: Path) -> None:
 
 def test_surroundings_from_a_file(tmp_path: Path) -> None:
     directions = np.arange(360.0)
-    distances = 300.0 + 1500.0 * np.abs(np.sin(np.radians(directions)))
+    distances = 300.0 + 750.0 * (1.0 - np.cos(np.radians(2.0 * directions)))
     picture, table = tmp_path / "onboard.png", tmp_path / "around.csv"
     write_picture(picture, around(PAPER_MIRROR.px_from_mm(distances)))
     rows = [f"{degree:.0f};{mm:.1f}" for degree, mm in zip(directions, distances, strict=True)]

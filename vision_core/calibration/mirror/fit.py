@@ -106,15 +106,15 @@ def fit_mirror(pairs: Pairs, prior: FocalPrior) -> MirrorFit:
     found = [_descended(everything, start) for start in (*STARTS_PX, prior.focal_px)]
     common = min(everything.robust_noise_px(logs) for logs in found)
     logs = min(found, key=lambda one: _Problem(everything, common, is_robust=True).loss(one))
-    noise = everything.robust_noise_px(logs)
     kept = np.ones(len(pairs), dtype=bool)
     for number in range(ROUNDS):
-        near = np.abs(everything.off_px(logs)) <= max(OUTLIER_SIGMAS * noise, OUTLIER_PX)
+        usual = everything.robust_noise_px(logs)
+        near = np.abs(everything.off_px(logs)) <= max(OUTLIER_SIGMAS * usual, OUTLIER_PX)
         if near.sum() <= PARAMETERS or (number > 0 and (near == kept).all()):
             break
         kept, data = near, _Data(radii[near], distances[near], prior, least)
-        logs = _least_squares(data, logs, noise)
-        noise = data.noise_px(logs)
+        logs = _least_squares(data, logs, data.noise_px(logs))
+    noise = _Data(radii[kept], distances[kept], prior, least).noise_px(logs)
     return _result(everything, logs, kept, noise)
 
 

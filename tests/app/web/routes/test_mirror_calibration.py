@@ -100,7 +100,7 @@ def test_a_click_on_a_target_gives_the_radius_of_a_pair(http: httpx.Client) -> N
 
 
 def test_a_picture_and_what_stands_around_the_robot(http: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    distances = 300.0 + 1500.0 * np.abs(np.sin(np.radians(np.arange(360.0))))
+    distances = 300.0 + 750.0 * (1.0 - np.cos(np.radians(2.0 * np.arange(360.0))))
     number = given(http, "b.png", around(PAPER_MIRROR.px_from_mm(distances)))
     text = "\n".join(f"{degree} {distance:.1f}" for degree, distance in enumerate(distances.tolist()))
     found = fitted(http, {"around": [{"picture": number, "text": text}], "focal_px": 300.0})
