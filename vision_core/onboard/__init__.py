@@ -12,5 +12,6 @@ camera is its mirror image.
 Everything here is off the clock: no task of the service imports it.
 
 Files, outside in: ``camera``, ``truth``, ``scene``, ``solids``, ``ray_tracer``, ``shading``, ``azimuths``,
-``prism_rays``, ``mirror_shape``.
+``prism_rays``, ``mirror_shape``; and for pictures of files ``pictures`` and ``overlay``, which draws what
+``client.recognition`` finds in them.
 """
