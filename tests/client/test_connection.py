@@ -22,7 +22,7 @@ from vision_core.net.delivery import UNKNOWN
 from vision_core.protocol.codec import encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.lifecycle import SessionState
-from vision_core.protocol.messages import MirrorReply
+from vision_core.protocol.messages import FIXED_BY_MATCH, MirrorReply, WarningReply
 from vision_core.protocol.session import Sessions
 from vision_core.types.objects import Team
 
@@ -208,6 +208,36 @@ def test_a_given_mirror_is_used_without_asking(given: dict[str, Any]) -> None:
         assert robot.receive(1.0) is not None
         assert robot.mirror == OTHER_MIRROR
     assert not any(b"(mirror)" in data for data in server.heard)
+
+
+def test_a_match_that_fixes_the_mirror_is_obeyed() -> None:
+    """No view is decoded with the mirror that was asked for and not granted."""
+    asked = Options(mirror=PAPER_MIRROR)
+    answers = [GRANTED, encode(WarningReply(FIXED_BY_MATCH)), see(1.0)]
+    with answering(answers, [TOLD, see(2.0)]) as server:
+        with connect(HOST, server.port, "blue", 3, options=asked) as robot:
+            view = robot.receive(3.0)
+            assert view is not None
+            assert (view.time_s, view.mm[0]) == (2.0, OTHER_MIRROR.mm_from_px(44.5))
+        assert server.heard[1] == b"(mirror)"
+
+
+def test_a_mirror_that_the_operator_changes_is_learned_with_the_next_lag_report() -> None:
+    clock = ManualClock()
+    lagging = [encode(MirrorReply(PAPER_MIRROR)), see(4.0)]
+    with answering([GRANTED, TOLD, see(1.0), see(2.0), see(3.0)], lagging) as server:
+        with connect(HOST, server.port, "blue", 3, clock=clock) as robot:
+            first = robot.receive(1.0)
+            for _ in range(2):
+                clock.advance(0.6)
+                robot.receive(1.0)
+            last = robot.receive(1.0)
+        assert server.heard[1].startswith(b"(lag ")
+        assert server.heard[1].endswith(b"(mirror)")
+    assert first is not None
+    assert first.mm[0] == OTHER_MIRROR.mm_from_px(44.5)
+    assert last is not None
+    assert (last.time_s, last.mm[0]) == (4.0, PAPER_MIRROR.mm_from_px(44.5))
 
 
 def test_a_restarted_server_may_have_another_mirror() -> None:

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tests.protocol.samples import CODES, SUBNETS, simple_view
+from tests.protocol.samples import CODES, MIRRORS, SUBNETS, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.net.delivery import DROPPED, NOT_SENT, REFUSED, SENT, Batch
@@ -17,7 +17,6 @@ from vision_core.protocol.admission import Admission
 from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.see import reference_see
 from vision_core.protocol.session import Event, SessionRules, Sessions
-from vision_core.types.objects import Team
 from vision_core.types.views import BallView
 
 PATIENCE_S = 2.0
@@ -60,7 +59,7 @@ class Stadium:
 
     @staticmethod
     def rules_of(boot: Instant) -> SessionRules:
-        return SessionRules(boot, 5, 600.0, 3.6, dict.fromkeys(Team, PAPER_MIRROR), Admission.from_subnets(SUBNETS))
+        return SessionRules(boot, 5, 600.0, 3.6, MIRRORS, Admission.from_subnets(SUBNETS))
 
     @property
     def port(self) -> int:

@@ -214,6 +214,30 @@ def test_the_page_gets_of_each_team_what_that_team_gets() -> None:
         assert (view.ball_px, view.ball_direction_deg) == (sent.ball.px, sent.ball.direction_deg)
 
 
+def test_a_robot_with_a_mirror_of_its_own_sees_through_it_and_its_team_does_not() -> None:
+    own = Mirror(4.2, 0.0131, 91_000.0)
+    robots = {"blue 2": MirrorConstants(own.a, own.b, own.c)}
+    encoder = ViewEncoder(replace(SETTINGS, mirror=replace(SETTINGS.mirror, robots=robots)), BOOT)
+    clients = tuple(Client(Init(Team.BLUE, number)) for number in (1, 2))
+    table = WorldTable.of(world(*(robot(Team.BLUE, SETTINGS.match.blue_ids[n], 0.5 * n, 0.2) for n in (0, 1))))
+    batch = encoder.write(table, clients)
+    for line, (client, mirror) in enumerate(zip(clients, (MIRROR, own), strict=True)):
+        view = encoder.renderer.view(table, Team.BLUE, client.init.number)
+        assert view is not None
+        assert bytes(batch.datagram(line)) == reference_see(view, PAPER_OPTIONS, mirror, CODES, BOOT)
+        assert encoder.views.record().views[line].px == reference_px(view, mirror).tobytes()
+
+
+def test_in_a_match_nobody_sees_through_a_mirror_that_was_asked_for() -> None:
+    asking = blue_1(Options(mirror=Mirror(2.0, 0.007, 40000.0)))
+    table = WorldTable.of(world(robot(Team.BLUE, SETTINGS.match.blue_ids[0], 0.5, 0.2)))
+    practice = bytes(ViewEncoder(SETTINGS, BOOT).write(table, (asking,)).datagram(0))
+    match = ViewEncoder(replace(SETTINGS, match=replace(SETTINGS.match, mode="match")), BOOT)
+    fixed = bytes(match.write(table, (asking,)).datagram(0))
+    assert fixed == bytes(match.write(table, (blue_1(),)).datagram(0))
+    assert fixed != practice
+
+
 def test_a_robot_at_no_finite_place_has_no_view() -> None:
     here: World = world(robot(Team.BLUE, 1, math.nan, 0.0), robot(Team.BLUE, 2, 0.3, 0.0))
     batch = ENCODER.write(WorldTable.of(here), [blue_1(), Client(Init(Team.BLUE, 2))])

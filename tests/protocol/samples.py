@@ -23,11 +23,12 @@ CLIENT = Peer("127.0.0.1", 40000)
 OTHER = Peer("127.0.0.1", 40001)
 TEAMMATE = Peer("10.0.0.7", 40000)
 STRANGER = Peer("192.0.2.9", 40000)
+MIRRORS = {(team, number): PAPER_MIRROR for team in Team for number in range(1, 6)}
 SUBNETS = ("10.0.0.0/24", "fd00::/64")
 
 
 def rules(lease_s: float = 600.0) -> SessionRules:
-    return SessionRules(BOOT, 5, lease_s, 3.6, dict.fromkeys(Team, PAPER_MIRROR), Admission.from_subnets(SUBNETS))
+    return SessionRules(BOOT, 5, lease_s, 3.6, MIRRORS, Admission.from_subnets(SUBNETS))
 
 
 def simple_view(

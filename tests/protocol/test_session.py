@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from tests.protocol.samples import (
     CLIENT,
     MAIN,
+    MIRRORS,
     OTHER,
     SESSION,
     STRANGER,
@@ -502,7 +503,7 @@ def test_other_rules_hold_for_sessions_that_are_open() -> None:
     server.hear(b"(init blue 3)", TEAMMATE)
     server.hear(b"(init yellow 5)")
     before = list(server.sessions)
-    kept = replace(server.sessions.rules, numbers=5, mirrors=dict.fromkeys(Team, Mirror(4.2, 0.0131, 91000.0)))
+    kept = replace(server.sessions.rules, numbers=5, mirrors=dict.fromkeys(MIRRORS, Mirror(4.2, 0.0131, 91000.0)))
     assert server.sessions.apply(kept, "pause") == []
     assert list(server.sessions) == before
     assert server.answers(b"(init blue 1)") == [b"(init blue 1 pause)"]
@@ -527,3 +528,31 @@ def test_an_address_that_is_admitted_as_one_robot_is_not_admitted_as_another() -
     other = server.hear(b"(init blue 4)", TEAMMATE)
     assert replies(other) == [b"(error not_admitted)"]
     assert RequestRefused(TEAMMATE, ErrorCode.NOT_ADMITTED, Team.BLUE, 4) in other
+
+
+def test_a_match_fixes_the_mirror_and_says_so() -> None:
+    """A client that has asked for a mirror of its own is told when the match begins, and at each init of the match."""
+    server = Server()
+    asks = b"(init blue 3 (mirror %s))" % OWN_MIRROR
+    opened(server, asks)
+    opened(server, b"(init yellow 1)", OTHER)
+    practice = server.sessions.rules
+    match = replace(practice, own_mirrors=False)
+    assert replies(server.sessions.apply(match, "play_on")) == [b"(warning fixed_by_match)"]
+    assert server.sessions.apply(match, "play_on") == []
+    assert server.answers(b"(mirror)") == [b"(mirror %s)" % FIELD_MIRROR]
+    assert server.answers(asks) == [GRANTED, b"(warning fixed_by_match)"]
+    assert server.sessions.apply(practice, "play_on") == []
+    assert server.answers(asks + b"(mirror)") == [GRANTED, b"(mirror %s)" % OWN_MIRROR]
+
+
+def test_a_robot_may_have_another_mirror_than_its_team() -> None:
+    server = Server()
+    opened(server)
+    opened(server, b"(init blue 4)")
+    own = {**MIRRORS, (Team.BLUE, 4): Mirror(4.2, 0.0131, 91000.0)}
+    server.sessions.apply(replace(server.sessions.rules, mirrors=own), "play_on")
+    assert server.answers(b"(mirror blue 3)(mirror blue 4)") == [
+        b"(mirror blue 3 %s)" % FIELD_MIRROR,
+        b"(mirror blue 4 4.2 0.0131 91000.0)",
+    ]

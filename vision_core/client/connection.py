@@ -15,6 +15,7 @@ from vision_core.models.mirror import Mirror
 from vision_core.protocol.codec import MAX_ANSWER, decode_message, encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.messages import (
+    FIXED_BY_MATCH,
     Bye,
     ErrorReply,
     Init,
@@ -23,6 +24,7 @@ from vision_core.protocol.messages import (
     MirrorReply,
     See,
     ServerMessage,
+    WarningReply,
 )
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.types.objects import Team
@@ -62,7 +64,8 @@ def connect(
     """Ask a server for a robot's views.
 
     mirror: of the server's field; every ``View.mm`` and ``ball_mm`` depends on it. None: the server is asked for it. A
-    mirror of your own, ``options.mirror``, is used in its place: the server then renders the views through that one.
+    mirror of your own, ``options.mirror``, is used in its place: the server then renders the views through that one,
+    unless the match fixes the mirror.
     timeout_s: how long to wait for an answer. While the server answers that it still prepares, the wait goes on; the
     logger "vision_core.client" says so once.
 
@@ -183,10 +186,11 @@ class Connection:
         self._socket.close()
 
     def _view(self, newest: See, mirror: Mirror) -> View:
-        """The view of the datagram that was received last. About once a second the server is sent a lag report."""
+        """The view of the datagram that was received last. About once a second the server is sent a lag report, and
+        asked for the mirror, which the operator may have changed."""
         report = self._lag.view_arrived(newest.time_us, self._arrived_at, self._clock.now())
         if report is not None:
-            self._send(encode(report), self._server)
+            self._send(encode(report) + self._mirror_query(), self._server)
         return view_from_see(newest, self.init.options, mirror)
 
     def _ask_if_due(self) -> None:
@@ -208,8 +212,10 @@ class Connection:
     def _ask(self, server: SockAddress) -> None:
         """Send init; the same datagram asks for the mirror, unless one was given."""
         self._asked_at = self._clock.now()
-        query = b"" if self._given_mirror is not None else encode(MirrorQuery())
-        self._send(encode(self.init) + query, server)
+        self._send(encode(self.init) + self._mirror_query(), server)
+
+    def _mirror_query(self) -> bytes:
+        return b"" if self._given_mirror is not None else encode(MirrorQuery())
 
     def _send(self, data: bytes, server: SockAddress) -> None:
         with contextlib.suppress(OSError):  # the network is down: the server's silence shows it
@@ -271,6 +277,9 @@ class Connection:
                 self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
             case MirrorReply():
                 self._mirror = self._given_mirror or message.mirror
+            case WarningReply(name) if name == FIXED_BY_MATCH:
+                self._given_mirror = self._mirror = None  # the server tells which one it is
+                self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
 
     def _mirror_unknown(self) -> ConnectionRefused:
         return ConnectionRefused(self._name, found="the server does not tell its mirror", accepted=NO_MIRROR)

@@ -43,15 +43,8 @@ class Mirror:
 
     def __post_init__(self) -> None:
         found = f"A {self.a:g}, B {self.b:g}, C {self.c:g}"
-        rules = (
-            (all(math.isfinite(v) for v in (self.a, self.b, self.c)), "finite numbers"),
-            (self.c > 0.0, "C > 0"),
-            (self.b >= 0.0, "B >= 0"),
-            (self.c > 0.0 and self.a > self.b * math.sqrt(self.c), "A > B sqrt(C)"),
-        )
-        for holds, accepted in rules:
-            if not holds:
-                raise SettingsError("a mirror of equation 1", found=found, accepted=accepted)
+        if fault := constants_fault(self.a, self.b, self.c):
+            raise SettingsError("a mirror of equation 1", found=found, accepted=fault[1])
         horizon = self.horizon_px
         if not MIN_HORIZON_PX <= horizon <= MAX_PX:
             raise SettingsError(
@@ -92,6 +85,18 @@ class Mirror:
         with np.errstate(divide="ignore", invalid="ignore"):
             mm: Floats = np.where(slope > 0.0, np.divide(r_px, slope), np.inf)
         return mm if isinstance(r_px, np.ndarray) else float(mm)
+
+
+def constants_fault(a: float, b: float, c: float) -> tuple[str, str] | None:
+    """The constant ("a", "b", "c"; empty: all together) that breaks a rule of equation 1, and the rule; None: all hold,
+    but for the horizon's place."""
+    rules = (
+        *((name, math.isfinite(value), "finite numbers") for name, value in (("a", a), ("b", b), ("c", c))),
+        ("c", c > 0.0, "C > 0"),
+        ("b", b >= 0.0, "B >= 0"),
+        ("", c > 0.0 and a > b * math.sqrt(c), "A > B sqrt(C)"),
+    )
+    return next(((name, accepted) for name, holds, accepted in rules if not holds), None)
 
 
 def px_from_mm(

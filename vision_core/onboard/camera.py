@@ -33,7 +33,7 @@ RIM_HORIZONS = 1.25
 class OnboardCamera:
     """The camera of one robot of the simulated match.
 
-    robot: team and number, from 1; size_px: width and height; mirror: None for that of the robot's team. Raises
+    robot: team and number, from 1; size_px: width and height; mirror: None for the robot's own. Raises
     SettingsError when the robot does not play or the size is not accepted.
     """
 
@@ -49,7 +49,7 @@ class OnboardCamera:
         self.settings = settings
         self.robot = robot
         self.size_px = size_px
-        self.mirror = mirror_of(settings.mirror, robot[0]) if mirror is None else mirror
+        self.mirror = mirror_of(settings.mirror, *robot) if mirror is None else mirror
         self.shape = MirrorShape.from_mirror(self.mirror)
         self.worn = World(settings).robots_worn
         self.row = _row_of(settings, robot, self.worn)

@@ -11,7 +11,7 @@ import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
-from vision_core.models.from_settings import mirror_of
+from vision_core.models.from_settings import mirrors_of
 from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import REQUEST, SLOT, TextBuffers, ball_numbers, view_px, write_see
@@ -20,7 +20,7 @@ from vision_core.protocol.messages import Init
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
-from vision_core.types.tables import DIRECTIONS, MAX_NUMBERS, TEAMS, Table, ViewsTable, WorldTable
+from vision_core.types.tables import DIRECTIONS, MAX_NUMBERS, Table, ViewsTable, WorldTable
 from vision_core.views.outlines import Integers
 from vision_core.views.renderer import (
     MAX_RAYS,
@@ -50,7 +50,7 @@ class EncoderContext(NamedTuple):
     scene: StaticScene
     views: ViewBuffers
     page_requests: Table
-    """The REQUEST of the page's views of each team, shape (2,)."""
+    """The REQUEST of the page's view of each robot, shape (VIEWERS,)."""
     page_views: Table
     """Output: VIEWS, shape (1,)."""
     requests: Table
@@ -85,7 +85,7 @@ def encode_views(world: Table, due: Bytes, boxed: Boxed) -> None:
         if not due[k] or viewer.robot < 0:
             starts[k] = lengths[k] = 0
             continue
-        # Pixels through the team's mirror are computed already, for the page.
+        # Pixels through the robot's mirror are computed already, for the page.
         rays = views.rays[request.viewer]
         kinds, px = views.kinds[viewer.first_ray : viewer.first_ray + rays], text.px[:rays]
         if rays == DIRECTIONS and not request.own_mirror:
@@ -97,13 +97,13 @@ def encode_views(world: Table, due: Bytes, boxed: Boxed) -> None:
 
 @kernel
 def _write_page_views(world: Table, views: ViewBuffers, page: Table, page_px: Bytes, page_views: Table) -> None:
-    """Write the views for the page, in the pixels of each team's mirror, ordered by team and number."""
+    """Write the views for the page, in the pixels of each robot's mirror, ordered by team and number."""
     count = 0
     for index in range(VIEWERS):
         viewer = views.viewers[index]
         if viewer.robot < 0:
             continue
-        request, view = page[index // MAX_NUMBERS], page_views[0].views[count]
+        request, view = page[index], page_views[0].views[count]
         count += 1
         view.team, view.number = index // MAX_NUMBERS, index % MAX_NUMBERS + 1
         view.overlap, view.partial = viewer.overlap, 0.0 < viewer.ball_visible < 1.0
@@ -137,13 +137,15 @@ class ViewEncoder:
         """boot: instant at which Time is 0."""
         self.renderer = ViewRenderer(settings)
         self._boot = boot
-        self._mirrors = {team: mirror_of(settings.mirror, team) for team in Team}
-        """Of each team, for the page's views and for clients that ask for no other."""
+        self._mirrors = mirrors_of(settings.mirror)
+        """Of each robot, for the page's views and for clients that ask for no other."""
+        self._own_mirrors = settings.match.mode == "practice"
+        """Clients may ask for another one."""
         self.codes = edge_codes(settings.protocol.letters)
         self._letters = np.array([self.codes[types] for types in TYPES])
-        self._page: Table = np.zeros(len(TEAMS), dtype=REQUEST)
-        for row, team in enumerate(TEAMS):
-            self._page[row] = self.request(team, 1, PAPER_OPTIONS, nul=False)
+        self._page: Table = np.zeros(VIEWERS, dtype=REQUEST)
+        for team, number in self._mirrors:
+            self._page[viewer_index(team, number)] = self.request(team, number, PAPER_OPTIONS, nul=False)
         self.views = ViewsTable()
         """The page's views of the last world."""
         self._page_px = np.zeros((VIEWERS, DIRECTIONS), dtype=np.uint8)
@@ -165,7 +167,8 @@ class ViewEncoder:
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
         """A client's row of REQUEST. Raises ValueError when its directions are on no grid of a view."""
-        mirror = options.mirror or self._mirrors[team]
+        given = self._mirrors[team, number]
+        mirror = (options.mirror if self._own_mirrors else None) or given
         rays = options.rays_per_circle
         per_deg = rays // 360
         sign = 1 if options.sense == "ccw" else -1
@@ -178,7 +181,7 @@ class ViewEncoder:
         row[0] = (
             viewer_index(team, number), rays, sign * int(first) % rays, sign * int(step) % rays, options.directions,
             TYPES.index(options.types), options.sense == "cw", options.size == "half", options.time == "us", nul,
-            mirror != self._mirrors[team], options.fov_deg, options.center_deg, mirror.a, mirror.b, mirror.c, mirror.d,
+            mirror != given, options.fov_deg, options.center_deg, mirror.a, mirror.b, mirror.c, mirror.d,
         )  # fmt: skip
         return row[0]  # type: ignore[no-any-return]
 

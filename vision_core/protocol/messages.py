@@ -111,6 +111,10 @@ class WarningReply:
     name: str
 
 
+FIXED_BY_MATCH = "fixed_by_match"
+"""Name of the warning that an option is not granted because the match fixes it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Ball:
     """The ball in a ``see``: whole pixels and degrees, in the client's sense of direction."""

@@ -18,6 +18,7 @@ from vision_core.protocol.codec import MAX_COMMAND, decode_commands, encode
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.lifecycle import Peer, Port, Session, SessionState, SessionTrigger
 from vision_core.protocol.messages import (
+    FIXED_BY_MATCH,
     Bye,
     Command,
     ErrorReply,
@@ -151,13 +152,20 @@ class SessionRules:
     """A session ends when its client has sent nothing for so long."""
     diagonal_m: float
     """Of the field: a client's mirror must reach so far."""
-    mirrors: Mapping[Team, Mirror]
-    """Of each team: for clients that ask for no other."""
+    mirrors: Mapping[tuple[Team, int], Mirror]
+    """Of each robot, by team and number."""
     admission: Admission
+    own_mirrors: bool = True
+    """Clients may choose another mirror; not in a match."""
 
     def mirror_of(self, session: Session) -> Mirror:
         """The mirror through which a session's robot sees."""
-        return session.init.options.mirror or self.mirrors[session.team]
+        own = session.init.options.mirror if self.own_mirrors else None
+        return own or self.mirrors[session.team, session.number]
+
+    def fixes(self, session: Session) -> bool:
+        """Does the match fix something that a session's client has asked for?"""
+        return session.init.options.mirror is not None and not self.own_mirrors
 
 
 @dataclass(slots=True)
@@ -229,6 +237,7 @@ class Sessions:
 
     def apply(self, rules: SessionRules, mode: str) -> list[Event]:
         """Go on with other rules of the same boot; mode: of the play. Sessions that they do not allow end."""
+        before = self.rules
         self.rules, self.mode = rules, mode
         events: list[Event] = []
         for session in self:
@@ -236,6 +245,8 @@ class Sessions:
                 events += self.end(session, ErrorCode.NOT_ADMITTED)
             elif session.number > rules.numbers:
                 events += self.end(session, ErrorCode.ILLEGAL_NUMBER)
+            elif rules.fixes(session) and not before.fixes(session):
+                events.append(_reply(WarningReply(FIXED_BY_MATCH), session))
         return events
 
     def end(self, session: Session, why: ErrorCode) -> list[Event]:
@@ -398,6 +409,8 @@ class Sessions:
         answers = [_reply(InitReply(session.team, session.number, self.mode), session)]
         if session.init.unknown_options:
             answers.append(_reply(WarningReply("unknown_option"), session))
+        if self.rules.fixes(session):
+            answers.append(_reply(WarningReply(FIXED_BY_MATCH), session))
         return answers
 
 

@@ -184,10 +184,14 @@ class MirrorConstants(Record, frozen=True):
 
 
 class MirrorSettings(MirrorConstants, frozen=True):
-    """The mirror of the field's robots, and that of a team which has its own."""
+    """The mirror of the field's robots, and those of teams and single robots which have their own."""
 
     blue: MirrorConstants | None = None
     yellow: MirrorConstants | None = None
+    robots: Annotated[
+        dict[str, MirrorConstants],
+        Meta(description='of single robots, by team and number: [mirror.robots."blue 3"]; before that of the team'),
+    ] = {}
 
 
 class ColorRange(Record, frozen=True):

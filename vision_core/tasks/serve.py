@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from vision_core.clock import Instant, seconds_between
 from vision_core.models.field import diagonal_m
-from vision_core.models.from_settings import mirror_of
+from vision_core.models.from_settings import mirrors_of
 from vision_core.net.delivery_report import DeliveryReport
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.net.udp import adopted
@@ -178,7 +178,8 @@ def _rules(settings: Settings, boot: Instant) -> SessionRules:
         numbers=settings.match.numbers,
         lease_s=settings.protocol.lease_s,
         diagonal_m=diagonal_m(settings.field),
-        mirrors={team: mirror_of(settings.mirror, team) for team in Team},
+        mirrors=mirrors_of(settings.mirror),
+        own_mirrors=settings.match.mode == "practice",
         admission=_admission(settings.admission),
     )
 

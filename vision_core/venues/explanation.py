@@ -9,7 +9,7 @@ import msgspec
 
 from vision_core.errors import SettingsError
 from vision_core.settings.layers import Layer, Table
-from vision_core.settings.schema import ColorRange, HexColor, Settings, TaskSettings
+from vision_core.settings.schema import ColorRange, HexColor, MirrorConstants, Settings, TaskSettings
 from vision_core.venues.tables import lookup, place
 
 KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object": "a table", "array": "a list"}
@@ -17,6 +17,7 @@ KINDS = {"int": "a whole number", "float": "a number", "str": "a text", "object"
 DICTS = {
     "colors.classes": tuple[ColorRange, ...],
     "colors.samples": tuple[HexColor, ...],
+    "mirror.robots": MirrorConstants,
     "tasks": TaskSettings,
 }
 """Settings whose keys are names of the user's choice, with the type of their values."""

@@ -124,9 +124,10 @@ def nested(options: Mapping[str, Any], asked: str = "settings") -> Table:
             raise SettingsError(asked, found=f"a key of more than {MAX_DEPTH} parts", accepted="a setting's name")
         table = tables
         for parent in parents:
-            table = table.setdefault(parent, {})
-            if not isinstance(table, dict):
+            below = table.get(parent, {})
+            if not isinstance(below, dict):
                 raise SettingsError(f"{asked}: {key}", found=f"a value for {parent} as well", accepted="one of them")
+            table[parent] = table = dict(below)  # a table among the values stays as it is
         table[last] = value
     return tables
 

@@ -180,7 +180,7 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in table.items():
         here = f"{path}{key}"
-        if isinstance(value, Mapping) and value and here not in WHOLE:
+        if isinstance(value, Mapping) and value and here not in WHOLE and path not in OF_WHOLE:
             found |= flat(value, f"{here}.")
         else:
             found[here] = value
@@ -194,6 +194,8 @@ WHOLE = frozenset(
     }
 )
 """Tables that are changed as a whole."""
+OF_WHOLE = frozenset({"mirror.robots."})
+"""Tables of such tables, by names of the user's."""
 
 
 def _conflict(what: str, conflict: ConflictError) -> RequestRefused:

@@ -12,9 +12,9 @@ from vision_core.models.camera import CameraModel
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import field_lines, field_segments, painted_points
 from vision_core.models.from_settings import mirror_of, robots_of
-from vision_core.models.mirror import MAX_PX, MM_PER_M
+from vision_core.models.mirror import MAX_PX, MM_PER_M, Mirror
 from vision_core.rtdb.infos import ServiceInfo
-from vision_core.settings.schema import Settings
+from vision_core.settings.schema import MirrorSettings, Settings
 from vision_core.types.edges import EDGE_TYPES, EdgeType
 from vision_core.types.objects import ObstacleSighting, RobotSighting, Team
 
@@ -105,7 +105,8 @@ class Field(Report):
     edge_types: dict[str, EdgeTypeReport]
     """By name: nothing, wall, goal_blue, ..."""
     mirror_m: dict[str, list[float | None]]
-    """By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon."""
+    """By team, and by robot (``blue 3``) for those with a mirror of their own: distance on the floor at 0, 1, 2, ...
+    pixels from the mirror's center [m]; null beyond the horizon."""
     painted_px: list[list[tuple[float, float]]]
     """Painted lines and arcs, projected into the picture by the camera model [px]."""
     masks: list[MaskReport]
@@ -139,7 +140,7 @@ def field_from(service: ServiceInfo) -> Field:
         numbers=settings.match.numbers,
         marker_ids={"blue": list(settings.match.blue_ids), "yellow": list(settings.match.yellow_ids)},
         edge_types={edge.kind.name.lower(): _edge_type(edge) for edge in EDGE_TYPES},
-        mirror_m={team.value: _mirror_table(settings, team) for team in Team},
+        mirror_m=_mirror_tables(settings.mirror),
         painted_px=[_visible(_in_picture(camera, points)) for points in painted_points(field, STEPS + 1)],
         masks=[MaskReport(name=mask.name, points_px=list(mask.points_px)) for mask in setup.settings.masks],
         coverage_m=[(x, y) for x, y in np.round(setup.seen_floor_m(STEPS), 3).tolist()],
@@ -206,6 +207,11 @@ def _visible(points_px: Points) -> Points:
     return [(x, y) for x, y in points_px if math.isfinite(x)]
 
 
-def _mirror_table(settings: Settings, team: Team) -> list[float | None]:
-    metres = mirror_of(settings.mirror, team).mm_from_px(np.arange(MAX_PX + 1, dtype=np.float64)) / MM_PER_M
+def _mirror_tables(mirrors: MirrorSettings) -> dict[str, list[float | None]]:
+    teams = {team.value: _mirror_table(mirror_of(mirrors, team)) for team in Team}
+    return teams | {robot: _mirror_table(Mirror(own.a, own.b, own.c)) for robot, own in mirrors.robots.items()}
+
+
+def _mirror_table(mirror: Mirror) -> list[float | None]:
+    metres = mirror.mm_from_px(np.arange(MAX_PX + 1, dtype=np.float64)) / MM_PER_M
     return [round(value, 4) if math.isfinite(value) else None for value in metres.tolist()]

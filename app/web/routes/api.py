@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, HTTPException, Request, Response
-from msgspec import structs
+from msgspec import json, structs
 
 from app.web.auth.identity import Role, identity_of
 from app.web.blackboard import Blackboard, Picture
@@ -46,13 +46,15 @@ def api_routes(blackboard: Blackboard, monitor: HealthMonitor, configuration: Co
         return Response(await newest_status.get(), media_type="application/json")
 
     @lru_cache(maxsize=4)
-    def field_of(match: MatchSettings, mirror: MirrorSettings) -> Field:
+    def field_of(live: bytes) -> Field:
+        match, mirror = json.decode(live, type=tuple[MatchSettings, MirrorSettings])
         return field_from(replace(service, settings=structs.replace(service.settings, match=match, mirror=mirror)))
 
     @router.get("/field")
     def field() -> Field:
         """The geometry of the field and who wears which marker; a change of sides or teams changes it."""
-        return field_of(configuration.settings.match, configuration.settings.mirror)
+        settings = configuration.settings
+        return field_of(json.encode((settings.match, settings.mirror)))
 
     def newest_picture(request: Request) -> Picture:
         """The newest picture, for who may see it at once."""

@@ -1,4 +1,4 @@
-"""``/api/v1/match``: who plays which color, sides, mode and play mode; ``/api/v1/mirrors``: A, B, C of a team."""
+"""``/api/v1/match``: who plays which color, sides, mode and play mode."""
 
 from http import HTTPStatus
 from typing import Literal
@@ -60,18 +60,8 @@ class Swap(Report):
     revision: int | None = None
 
 
-class Mirror(Report):
-    """A, B, C of equation 1 for distances in millimetres: what a team's robots see through."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    a: float
-    b: float
-    c: float
-
-
 def match_routes(configuration: Configuration) -> APIRouter:
-    """The match, and each team's mirror."""
+    """The match."""
     router = APIRouter(prefix="/api/v1", tags=["match"])
 
     @router.get("/match")
@@ -109,23 +99,6 @@ def match_routes(configuration: Configuration) -> APIRouter:
             )
         return change(
             configuration, {plays(Team.BLUE): yellow, plays(Team.YELLOW): blue}, request, "swap colors", swap.revision
-        )
-
-    @router.put("/mirrors/{color}", responses=REFUSED)
-    def set_mirror(color: Team, mirror: Mirror, request: Request) -> ChangeReport:
-        """Gives the robots of a color another mirror, at the next frame: no view is made with a mixture of both."""
-        value = mirror.model_dump()
-        words = f"mirror of {color.value}: {mirror.a:g} {mirror.b:g} {mirror.c:g}"
-        return change(configuration, {setting(f"mirror.{color.value}"): value}, request, words)
-
-    @router.delete("/mirrors/{color}", responses=REFUSED)
-    def reset_mirror(color: Team, request: Request) -> ChangeReport:
-        """Gives the robots of a color the mirror of the files again."""
-        return change(
-            configuration,
-            {setting(f"mirror.{color.value}"): None},
-            request,
-            f"mirror of {color.value}: as in the files",
         )
 
     return router

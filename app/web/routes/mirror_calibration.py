@@ -16,7 +16,7 @@ from app.web.blackboard import Blackboard
 from app.web.calibration.job import CameraCalibration
 from app.web.calibration.pictures import MAX_PICTURES, CalibrationPictures, Shown
 from app.web.configuration.configuration import Configuration
-from app.web.problems import RequestRefused
+from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.calibration import CalibrationReport, calibration_from
 from app.web.venue.asking import asked, refused
@@ -109,6 +109,20 @@ class MirrorRequest(Report):
     """Its standard deviation; null: a tenth of it."""
 
 
+class PastedPairs(Report):
+    """Pairs as text, pasted or of a file."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    text: Annotated[str, Field(max_length=MAX_BYTES)]
+
+
+class PairsReport(Report):
+    """The pairs of a text, with the lines that they stand in as names."""
+
+    pairs: list[TypedPair]
+
+
 def add_mirror_routes(
     router: APIRouter, job: CameraCalibration, blackboard: Blackboard, configuration: Configuration
 ) -> None:
@@ -138,6 +152,14 @@ def add_mirror_routes(
             direction_deg=math.degrees(found.direction_rad),
             place_px=found.place_px,
         )
+
+    @router.post("/mirror/pairs", responses=REFUSED)
+    def pairs_of_text(pasted: PastedPairs) -> PairsReport:
+        """The pairs of a text, for a look before they are fitted. Refused with the line that is no pair."""
+        with refused(HTTPStatus.UNPROCESSABLE_ENTITY, "text"):
+            pairs = pairs_from_text(pasted.text, asked="the text")
+        rows = zip(pairs.radii_px.tolist(), pairs.distances_mm.tolist(), pairs.names, strict=True)
+        return PairsReport(pairs=[TypedPair(r_px=px, r_mm=mm, name=name) for px, mm, name in rows])
 
 
 def _views(

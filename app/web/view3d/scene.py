@@ -10,7 +10,7 @@ from app.web.view3d.robots import Robots3D
 from app.web.view3d.sights import Ball3D, Robot, Sights3D
 from app.web.view3d.stadium import add_camera, add_field, add_walls
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.models.from_settings import mirror_of
+from vision_core.models.from_settings import mirrors_of
 from vision_core.settings.schema import MatchSettings, Settings
 from vision_core.types.objects import Team
 from vision_core.types.tracks import RobotTrack, World
@@ -64,8 +64,8 @@ class Scene:
         with self._server.atomic():
             self._robots.show(robots)
             self._ball.show(world.ball if world else None)
-            mirrors = {team: mirror_of(settings.mirror, team) for team in Team}
-            self._sights.show(views.views if views else (), _by_number(robots, match), mirrors, self.selected)
+            shown = views.views if views else ()
+            self._sights.show(shown, _by_number(robots, match), mirrors_of(settings.mirror), self.selected)
 
     def _place_viewer(self) -> None:
         """Everybody begins beside the field, looking at its center."""

@@ -78,18 +78,18 @@ class Sights3D:
         self,
         views: Iterable[ViewSnapshot],
         robots: Mapping[Robot, RobotTrack],
-        mirrors: Mapping[Team, Mirror],
+        mirrors: Mapping[Robot, Mirror],
         selected: Robot | None,
     ) -> None:
-        """Draw the views of robots by team and number. mirrors: of each team, whose pixels its views have."""
+        """Draw the views of robots by team and number. mirrors: of each robot, whose pixels its view has."""
         all_px = np.arange(MAX_PX + 1, dtype=np.float64)
-        metres = {team: mirror.mm_from_px(all_px) / MM_PER_M for team, mirror in mirrors.items()}
+        metres = {robot: mirrors[robot].mm_from_px(all_px) / MM_PER_M for robot in robots if robot in mirrors}
         points, colors, rays = [], [], (PARKED, NO_COLORS)
         for view in views:
             robot = robots.get((view.team, view.number))
             if robot is None:
                 continue
-            ends, kinds = self._ends(view, robot, metres[view.team])
+            ends, kinds = self._ends(view, robot, metres[view.team, view.number])
             points.append(ends)
             colors.append(self._colors[kinds])
             if (view.team, view.number) == selected:
@@ -98,7 +98,7 @@ class Sights3D:
         self._edges.colors = np.concatenate(colors) if colors else np.zeros((1, 3), dtype=np.uint8)
         self._rays.points, self._rays.colors = rays
         chosen = robots.get(selected) if selected else None
-        self._horizon.points = self._ring(chosen, metres[chosen.team]) if chosen else PARKED
+        self._horizon.points = self._ring(chosen, metres[selected]) if selected and chosen else PARKED
 
     def _ends(
         self, view: ViewSnapshot, robot: RobotTrack, metres: Floats

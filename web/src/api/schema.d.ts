@@ -218,6 +218,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calibration/mirror/pairs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Pairs Of Text
+         * @description The pairs of a text, for a look before they are fitted. Refused with the line that is no pair.
+         */
+        post: operations["pairs_of_text_api_v1_calibration_mirror_pairs_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calibration/pictures": {
         parameters: {
             query?: never;
@@ -508,7 +528,55 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/mirrors/{color}": {
+    "/api/v1/mirrors": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Mirrors
+         * @description All mirrors in force: of the field, of both teams, of every robot that may connect.
+         */
+        get: operations["mirrors_api_v1_mirrors_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mirrors/field": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Field Mirror
+         * @description The mirror of the robots that have no other.
+         */
+        get: operations["field_mirror_api_v1_mirrors_field_get"];
+        /**
+         * Set Field Mirror
+         * @description Gives the field's robots another mirror, at the next frame: no view is made with a mixture of both.
+         */
+        put: operations["set_field_mirror_api_v1_mirrors_field_put"];
+        post?: never;
+        /**
+         * Reset Field Mirror
+         * @description Gives the field's robots the mirror of the files again.
+         */
+        delete: operations["reset_field_mirror_api_v1_mirrors_field_delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mirrors/preview": {
         parameters: {
             query?: never;
             header?: never;
@@ -516,17 +584,71 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
+        put?: never;
         /**
-         * Set Mirror
-         * @description Gives the robots of a color another mirror, at the next frame: no view is made with a mixture of both.
+         * Preview
+         * @description What a mirror would be: its curve, its horizon, and every rule that it breaks. Nothing is changed.
+         *     color, number: for a team or a robot; without them for the field.
          */
-        put: operations["set_mirror_api_v1_mirrors__color__put"];
+        post: operations["preview_api_v1_mirrors_preview_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mirrors/{color}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Team Mirror
+         * @description The mirror of a team's robots that have none of their own.
+         */
+        get: operations["team_mirror_api_v1_mirrors__color__get"];
+        /**
+         * Set Team Mirror
+         * @description Gives the robots of a color another mirror, at the next frame. Refused in a match, unless all robots then
+         *     see through the same one.
+         */
+        put: operations["set_team_mirror_api_v1_mirrors__color__put"];
         post?: never;
         /**
-         * Reset Mirror
+         * Reset Team Mirror
          * @description Gives the robots of a color the mirror of the files again.
          */
-        delete: operations["reset_mirror_api_v1_mirrors__color__delete"];
+        delete: operations["reset_team_mirror_api_v1_mirrors__color__delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/mirrors/{color}/{number}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Robot Mirror
+         * @description The mirror of one robot.
+         */
+        get: operations["robot_mirror_api_v1_mirrors__color___number__get"];
+        /**
+         * Set Robot Mirror
+         * @description Gives one robot another mirror, at the next frame. Refused in a match, as that of a team.
+         */
+        put: operations["set_robot_mirror_api_v1_mirrors__color___number__put"];
+        post?: never;
+        /**
+         * Reset Robot Mirror
+         * @description Gives one robot the mirror of the files again: its own there, or that of its team or the field.
+         */
+        delete: operations["reset_robot_mirror_api_v1_mirrors__color___number__delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -2375,6 +2497,18 @@ export interface components {
             reason: string;
         };
         /**
+         * Constants
+         * @description A, B, C of equation 1 for distances in millimetres.
+         */
+        Constants: {
+            /** A */
+            a: number;
+            /** B */
+            b: number;
+            /** C */
+            c: number;
+        };
+        /**
          * ConstantsReport
          * @description A, B, C of equation 1, and what they mean.
          */
@@ -2408,6 +2542,21 @@ export interface components {
             height_mm: number;
             /** Horizon Px */
             horizon_px: number;
+        };
+        /**
+         * CurvePoint
+         * @description The curve at one distance.
+         */
+        CurvePoint: {
+            /**
+             * Mm Per Px
+             * @description Floor that one pixel spans there; null: all of it up to the horizon.
+             */
+            mm_per_px: number | null;
+            /** R Mm */
+            r_mm: number;
+            /** R Px */
+            r_px: number;
         };
         /**
          * CurveReport
@@ -2742,7 +2891,8 @@ export interface components {
             masks: components["schemas"]["MaskReport"][];
             /**
              * Mirror M
-             * @description By team: distance on the floor at 0, 1, 2, ... pixels from its mirror's center [m]; null beyond the horizon.
+             * @description By team, and by robot (``blue 3``) for those with a mirror of their own: distance on the floor at 0, 1, 2, ...
+             *     pixels from the mirror's center [m]; null beyond the horizon.
              */
             mirror_m: {
                 [key: string]: (number | null)[];
@@ -3390,16 +3540,68 @@ export interface components {
             team: string | null;
         };
         /**
-         * Mirror
-         * @description A, B, C of equation 1 for distances in millimetres: what a team's robots see through.
+         * MirrorInForce
+         * @description What the robots of a scope see through.
          */
-        Mirror: {
+        MirrorInForce: {
             /** A */
             a: number;
             /** B */
             b: number;
+            /**
+             * Bend
+             * @description u; b/a = sinh(u/2) of the hyperboloid.
+             */
+            bend: number;
             /** C */
             c: number;
+            /**
+             * Focal Px
+             * @description f of the on-board camera.
+             */
+            focal_px: number;
+            /**
+             * Given By
+             * @description The scope whose mirror it is: its own, or that of the team or the field.
+             */
+            given_by: string;
+            /**
+             * Height Mm
+             * @description h: the effective viewpoint over the floor.
+             */
+            height_mm: number;
+            /** Horizon Px */
+            horizon_px: number;
+            /**
+             * Is Changed
+             * @description The page has changed that of this scope; DELETE takes the change back.
+             */
+            is_changed: boolean;
+            /**
+             * Scope
+             * @description field, blue, yellow, or a robot: "blue 3".
+             */
+            scope: string;
+        };
+        /**
+         * MirrorPreview
+         * @description What a mirror would be. Nothing is changed.
+         */
+        MirrorPreview: {
+            /**
+             * Curve
+             * @description From 100 mm to the field's diagonal; empty: it is no mirror.
+             */
+            curve: components["schemas"]["CurvePoint"][];
+            /** @description null: it is none. */
+            mirror: components["schemas"]["MirrorShape"] | null;
+            /** Scope */
+            scope: string;
+            /**
+             * Violations
+             * @description Rules that it breaks; empty: it would be accepted.
+             */
+            violations: components["schemas"]["ViolationReport"][];
         };
         /**
          * MirrorReport
@@ -3501,6 +3703,55 @@ export interface components {
              * @description Of the distances of pairs that count from the curve.
              */
             worst_px: number | null;
+        };
+        /**
+         * MirrorShape
+         * @description A, B, C of equation 1 for distances in millimetres, and what they mean.
+         */
+        MirrorShape: {
+            /** A */
+            a: number;
+            /** B */
+            b: number;
+            /**
+             * Bend
+             * @description u; b/a = sinh(u/2) of the hyperboloid.
+             */
+            bend: number;
+            /** C */
+            c: number;
+            /**
+             * Focal Px
+             * @description f of the on-board camera.
+             */
+            focal_px: number;
+            /**
+             * Height Mm
+             * @description h: the effective viewpoint over the floor.
+             */
+            height_mm: number;
+            /** Horizon Px */
+            horizon_px: number;
+        };
+        /**
+         * MirrorsReport
+         * @description The mirrors of the field, the teams and the robots that may connect.
+         */
+        MirrorsReport: {
+            /**
+             * Diagonal M
+             * @description Of the field, which a mirror must resolve.
+             */
+            diagonal_m: number;
+            /**
+             * Is Match
+             * @description In a match all robots see through one mirror, and clients cannot ask for another.
+             */
+            is_match: boolean;
+            /** Mirrors */
+            mirrors: components["schemas"]["MirrorInForce"][];
+            /** Revision */
+            revision: number;
         };
         /**
          * NewKey
@@ -3701,6 +3952,14 @@ export interface components {
             r_px: number;
         };
         /**
+         * PairsReport
+         * @description The pairs of a text, with the lines that they stand in as names.
+         */
+        PairsReport: {
+            /** Pairs */
+            pairs: components["schemas"]["TypedPair"][];
+        };
+        /**
          * Password
          * @description A new password or PIN.
          */
@@ -3712,6 +3971,14 @@ export interface components {
              * @default operator
              */
             role: components["schemas"]["Role"];
+        };
+        /**
+         * PastedPairs
+         * @description Pairs as text, pasted or of a file.
+         */
+        PastedPairs: {
+            /** Text */
+            text: string;
         };
         /**
          * PatternChoice
@@ -4623,6 +4890,21 @@ export interface components {
              * @description Why there is nothing to compare with; empty where there is.
              */
             why_not_before: string;
+        };
+        /**
+         * ViolationReport
+         * @description A rule that a mirror breaks.
+         */
+        ViolationReport: {
+            /** Accepted */
+            accepted: string;
+            /**
+             * Constant
+             * @description a, b or c; empty: all three together.
+             */
+            constant: string;
+            /** Found */
+            found: string;
         };
         /**
          * WaitingReport
@@ -5567,6 +5849,75 @@ export interface operations {
             };
         };
     };
+    pairs_of_text_api_v1_calibration_mirror_pairs_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PastedPairs"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PairsReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     add_api_v1_calibration_pictures_post: {
         parameters: {
             query: {
@@ -6424,18 +6775,56 @@ export interface operations {
             };
         };
     };
-    set_mirror_api_v1_mirrors__color__put: {
+    mirrors_api_v1_mirrors_get: {
         parameters: {
             query?: never;
             header?: never;
-            path: {
-                color: components["schemas"]["Team"];
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MirrorsReport"];
+                };
             };
+        };
+    };
+    field_mirror_api_v1_mirrors_field_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MirrorInForce"];
+                };
+            };
+        };
+    };
+    set_field_mirror_api_v1_mirrors_field_put: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
             cookie?: never;
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["Mirror"];
+                "application/json": components["schemas"]["Constants"];
             };
         };
         responses: {
@@ -6495,12 +6884,495 @@ export interface operations {
             };
         };
     };
-    reset_mirror_api_v1_mirrors__color__delete: {
+    reset_field_mirror_api_v1_mirrors_field_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    preview_api_v1_mirrors_preview_post: {
+        parameters: {
+            query?: {
+                color?: components["schemas"]["Team"] | null;
+                number?: number | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Constants"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MirrorPreview"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    team_mirror_api_v1_mirrors__color__get: {
         parameters: {
             query?: never;
             header?: never;
             path: {
                 color: components["schemas"]["Team"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MirrorInForce"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    set_team_mirror_api_v1_mirrors__color__put: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                color: components["schemas"]["Team"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Constants"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    reset_team_mirror_api_v1_mirrors__color__delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                color: components["schemas"]["Team"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    robot_mirror_api_v1_mirrors__color___number__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                color: components["schemas"]["Team"];
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MirrorInForce"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    set_robot_mirror_api_v1_mirrors__color___number__put: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                color: components["schemas"]["Team"];
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Constants"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangeReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    reset_robot_mirror_api_v1_mirrors__color___number__delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                color: components["schemas"]["Team"];
+                number: number;
             };
             cookie?: never;
         };

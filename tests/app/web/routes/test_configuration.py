@@ -162,15 +162,6 @@ def test_a_team_does_not_play_against_itself(http: httpx.Client) -> None:
     assert http.patch("/match", json={"blue": "nobody"}).json()["field"] == "blue"
 
 
-def test_the_mirror_of_one_team(http: httpx.Client, service: FakeService) -> None:
-    mirror = {"a": 4.2, "b": 0.0131, "c": 91000.0}
-    assert http.put("/mirrors/yellow", json=mirror).status_code == 200
-    assert (live(service).mirror.blue, live(service).mirror.yellow.a) == (None, 4.2)  # type: ignore[union-attr]
-    assert http.put("/mirrors/yellow", json={**mirror, "b": 5.0}).json()["field"].startswith("mirror.yellow")
-    http.delete("/mirrors/yellow")
-    assert live(service).mirror.yellow is None
-
-
 def test_the_pages_field_has_the_mirror_in_effect(http: httpx.Client) -> None:
     before = http.get("/field").json()["mirror_m"]["blue"]
     http.patch("/settings", json={"changes": {"mirror.a": 4.4, "mirror.b": 0.0138}})
