@@ -26,6 +26,7 @@ PAGES = {
     "/robot": "A team's robots",
     "/camera": "Camera",
     "/calibrate": "Calibrate the camera",
+    "/mirror": "Mirror",
     "/settings": "Settings",
     "/timing": "Timing",
     "/logs": "Logs",

@@ -14,6 +14,7 @@ export function makeRouter(): Router {
     { path: "/robot", name: "team", component: () => import("./pages/TeamPage.vue"), meta: { title: "Your robots" } },
     { path: "/camera", name: "camera", component: () => import("./pages/CameraPage.vue"), meta: { title: "Camera" } },
     { path: "/calibrate", name: "calibrate", component: () => import("./pages/CalibratePage.vue"), meta: { title: "Calibrate the camera" } },
+    { path: "/mirror", name: "mirror", component: () => import("./pages/MirrorPage.vue"), meta: { title: "Mirror" } },
     { path: "/venue", name: "venue", component: () => import("./pages/VenuePage.vue"), meta: { title: "Set up a venue" } },
     { path: "/3d", name: "3d", component: () => import("./pages/SpacePage.vue"), meta: { title: "3D" } },
     { path: "/settings", name: "settings", component: () => import("./pages/SettingsPage.vue"), meta: { title: "Settings" } },

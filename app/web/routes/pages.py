@@ -23,6 +23,7 @@ ADDRESSES = (
     "/robot/{team}/{number}",
     "/camera",
     "/calibrate",
+    "/mirror",
     "/3d",
     "/settings",
     "/timing",

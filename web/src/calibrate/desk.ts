@@ -45,7 +45,7 @@ export function useCalibration() {
   onMounted(() => void load());
   onUnmounted(() => clearTimeout(timer));
   const isRunning = computed(() => calibration.value?.state === "running");
-  return { calibration, heightError, isRunning, load, take, remove, send, start };
+  return { calibration, heightError, isRunning, show, load, take, remove, send, start };
 }
 
 export type CalibrationDesk = ReturnType<typeof useCalibration>;

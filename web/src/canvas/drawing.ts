@@ -66,6 +66,11 @@ export function freeBox(taken: Box[], boxes: Box[]): Box | undefined {
   return free;
 }
 
+/** Distance on the floor at each pixel of a robot's mirror [m], null beyond the horizon: its own, or its team's. */
+export function mirrorTable(field: Field, team: Color, number: number): (number | null)[] {
+  return field.mirror_m[`${team} ${number}`] ?? field.mirror_m[team] ?? [];
+}
+
 /** The number of a robot by its marker; 0: no robot that plays. */
 export function numberOf(field: Field, team: Color, id: number | null): number {
   return id === null ? 0 : (field.marker_ids[team] ?? []).indexOf(id) + 1;

@@ -1,7 +1,7 @@
 // A view laid on the floor: per direction the near and the far end of what the edge's pixel of the mirror spans.
 
 import type { Field } from "../api/types";
-import { color, edgeLook, runsOf, type Run } from "../canvas/drawing";
+import { color, edgeLook, mirrorTable, runsOf, type Run } from "../canvas/drawing";
 import type { View, WorldRobot } from "../live/messages";
 import type { FieldMap } from "./map";
 
@@ -17,7 +17,8 @@ export interface Seen {
 /** thinnest_m: a band is drawn at least this wide. */
 export function seenBand(field: Field, view: View, own: WorldRobot, thinnest_m: number): Seen {
   const beyond = 2 * Math.hypot(field.length_m, field.width_m);
-  const metres = (px: number) => field.mirror_m[view.team]?.[px] ?? beyond;
+  const table = mirrorTable(field, view.team, view.number);
+  const metres = (px: number) => table[px] ?? beyond;
   const reachOf = (px: number) => {
     const whole = Math.floor(px);
     return metres(whole) + (px % 1) * (metres(whole + 1) - metres(whole));

@@ -12,6 +12,8 @@ const RINGS_M = [0.25, 0.5, 1, 2, 4, 8];
 const MIN_RING_GAP_PX = 7;
 const BALL_PX = 9;
 
+export type MirrorTable = readonly (number | null)[];
+
 export interface RobotView {
   kinds: Uint8Array;
   px: Uint8Array;
@@ -90,11 +92,15 @@ function drawAxes(pen: CanvasRenderingContext2D, { x, y, width, top, high, highe
   pen.stroke();
 }
 
-/** Figure 6: as the robot's camera would see it in its mirror, heading up. The radius is in pixels of the mirror. */
-export function drawPanorama(canvas: HTMLCanvasElement, field: Field, team: Color, view: RobotView): void {
+/**
+ * Figure 6: as the robot's camera would see it in its mirror, heading up. The radius is in pixels of the mirror.
+ * table: metres at each of its pixels. least_px: so far the picture reaches at least.
+ */
+export function drawPanorama(canvas: HTMLCanvasElement, field: Field, team: Color, view: RobotView, table: MirrorTable, least_px = 0): void {
   const { pen, width, height } = cleared(canvas);
   const outer = Math.min(width, height) / 2 - 1;
-  const { farthest, rings } = scaleOf(field, team);
+  const rings = RINGS_M.map((metres) => pxOf(table, metres));
+  const farthest = Math.max(reachOf(field, table), least_px);
   const scale = (outer - 2) / farthest;
   const place = (direction: number, radius: number): [number, number] => [-radius * Math.sin(direction * DEG), -radius * Math.cos(direction * DEG)];
   const radius = (direction: number) => Math.min(view.px[direction] === NO_EDGE ? farthest : (view.px[direction] ?? 0), farthest) * scale;
@@ -126,7 +132,7 @@ export function drawPanorama(canvas: HTMLCanvasElement, field: Field, team: Colo
   const ball = view.ball_px < 0 ? null : place(view.ball_direction_deg, view.ball_px * scale);
   writeLabels(pen, field, runs, place, radius, ball);
   if (ball) drawBall(pen, ball, view, scale, place);
-  drawBody(pen, field, team, scale);
+  drawBody(pen, field, team, table, scale);
 }
 
 type Place = (direction: number, radius: number) => [number, number];
@@ -166,14 +172,14 @@ function drawBall(pen: CanvasRenderingContext2D, [x, y]: [number, number], view:
   pen.stroke();
 }
 
-/** Pixels of the mirror up to the field's diagonal, and where the rings lie. */
-function scaleOf(field: Field, team: Color): { farthest: number; rings: number[] } {
-  const table = field.mirror_m[team] ?? [];
-  const pxOf = (metres: number) => {
-    const beyond = table.findIndex((value) => value === null || value > metres);
-    return beyond < 0 ? table.length - 1 : beyond;
-  };
-  return { farthest: pxOf(Math.hypot(field.length_m, field.width_m)) + 2, rings: RINGS_M.map(pxOf) };
+function pxOf(table: MirrorTable, metres: number): number {
+  const beyond = table.findIndex((value) => value === null || value > metres);
+  return beyond < 0 ? table.length - 1 : beyond;
+}
+
+/** Pixels of a mirror up to the field's diagonal. */
+export function reachOf(field: Field, table: MirrorTable): number {
+  return pxOf(table, Math.hypot(field.length_m, field.width_m)) + 2;
 }
 
 function drawRings(pen: CanvasRenderingContext2D, rings: number[], scale: number): void {
@@ -189,10 +195,9 @@ function drawRings(pen: CanvasRenderingContext2D, rings: number[], scale: number
   }
 }
 
-function drawBody(pen: CanvasRenderingContext2D, field: Field, team: Color, scale: number): void {
+function drawBody(pen: CanvasRenderingContext2D, field: Field, team: Color, table: MirrorTable, scale: number): void {
   const radius_m = field.robots[team]?.radius_m ?? 0.09;
-  const own = (field.mirror_m[team] ?? []).findIndex((metres) => metres === null || metres > radius_m);
-  const size = Math.min(Math.max(own * scale, 4), 9);
+  const size = Math.min(Math.max(pxOf(table, radius_m) * scale, 4), 9);
   pen.fillStyle = color("dim");
   pen.beginPath();
   pen.moveTo(0, -size);
