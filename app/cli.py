@@ -17,6 +17,7 @@ from app.commands.colors import colors_app
 from app.commands.compile import compile_command
 from app.commands.config import config_app
 from app.commands.detect import detect
+from app.commands.fidelity import fidelity
 from app.commands.onboard import onboard_app
 from app.commands.people import passwd, token
 from app.commands.restart import restart
@@ -37,7 +38,20 @@ app.add_typer(calibrate_app, name="calibrate")
 app.add_typer(colors_app, name="colors")
 app.add_typer(patterns.app, name="patterns")
 app.add_typer(onboard_app, name="onboard")
-for command in (serve, tasks, top, restart, passwd, token, selftest, detect, evaluate.evaluate, bench, support_bundle):
+for command in (
+    serve,
+    tasks,
+    top,
+    restart,
+    passwd,
+    token,
+    selftest,
+    detect,
+    evaluate.evaluate,
+    fidelity,
+    bench,
+    support_bundle,
+):
     app.command()(command)
 app.command(context_settings=CONTEXT, add_help_option=False)(client)
 app.command("compile")(compile_command)

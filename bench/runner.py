@@ -16,9 +16,22 @@ Row = dict[str, Any]
 
 BENCHMARKS = (
     *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads"),
-    *("scheduling", "activation", "handover", "dashboards", "gc_pauses", "clients", "light", "faults", "onboard"),
+    *(
+        "scheduling",
+        "activation",
+        "handover",
+        "dashboards",
+        "gc_pauses",
+        "clients",
+        "light",
+        "faults",
+        "onboard",
+        "fidelity",
+    ),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
+COUNT_WORLDS = ("fidelity",)
+"""Those whose ``run`` takes a number of worlds."""
 KEYS = ("name", "value", "unit", "baseline", "ratio", "goal", "met")
 OUT = Path(__file__).with_name("out")
 VERDICT = {True: "met", False: "NOT MET", None: ""}
@@ -30,20 +43,26 @@ def summary_of(name: str) -> str:
     return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
 
 
-def run(name: str) -> dict[str, Any]:
-    """Run one benchmark. Returns ``{"bench", "results"}``."""
-    measure: Callable[[], list[Row]] = import_module(f"bench.{name}").run
-    return {"bench": name, "results": [{key: row.get(key) for key in KEYS} for row in measure()]}
+def run(name: str, worlds: int | None = None) -> dict[str, Any]:
+    """Run one benchmark. Returns ``{"bench", "results"}``. worlds: how many, for one that counts random worlds."""
+    measure: Callable[..., list[Row]] = import_module(f"bench.{name}").run
+    rows = measure(worlds) if worlds is not None and takes_worlds(name) else measure()
+    return {"bench": name, "results": [{key: row.get(key) for key in KEYS} for row in rows]}
 
 
-def run_all(names: tuple[str, ...], *, as_json: bool) -> None:
+def takes_worlds(name: str) -> bool:
+    """Whether a benchmark can be told how many random worlds it shall count."""
+    return name in COUNT_WORLDS
+
+
+def run_all(names: tuple[str, ...], *, as_json: bool, worlds: int | None = None) -> None:
     """Run the named benchmarks, or all without a name, and print each as soon as it has finished.
 
     When all were run, the table is written to ``bench/out/results.md`` as well.
     """
     tables = []
     for name in names or BENCHMARKS:
-        table = run(name)
+        table = run(name, worlds)
         tables.append(table)
         print(json.dumps(table) if as_json else "\n".join(_lines(table)), flush=True)
     if not names:

@@ -6,6 +6,7 @@ Top to bottom; who stands lower imports nobody above (held by the contracts in p
 
     startup/      main modules of processes: preflight, compile, process, spare
     setup/        a new venue from pictures, step by step
+    fidelity/     how true the views are: against the on-board picture of the same world
     onboard/      what a robot's own camera would show, ray by ray
     evaluation/   how good recognition is on files: stills, overlay, score
     client/       for teams: connect, views, panorama, camera, recognition; numpy alone
