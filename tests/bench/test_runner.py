@@ -6,7 +6,7 @@ from importlib import import_module
 
 import pytest
 
-from bench import accuracy, runner
+from bench import accuracy, fidelity, runner
 from bench.__main__ import main
 
 
@@ -23,6 +23,16 @@ def test_a_result_has_every_key(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert printed["results"][1]["met"] is None
     runner.run_all(("accuracy",), as_json=False)
     assert "NOT MET" in capsys.readouterr().out
+
+
+def test_a_number_of_worlds_reaches_only_what_counts_worlds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(accuracy, "run", lambda: [{"name": "frames", "value": 1}])
+    monkeypatch.setattr(fidelity, "run", lambda worlds: [{"name": "worlds", "value": worlds}])
+    runner.run_all(("accuracy", "fidelity"), as_json=True, worlds=7)
+    values = [json.loads(line)["results"][0]["value"] for line in capsys.readouterr().out.splitlines()]
+    assert values == [1, 7]
 
 
 @pytest.mark.parametrize("name", runner.BENCHMARKS)
