@@ -4,14 +4,11 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import hypothesis
 import pytest
 
-LONG_RUN = 500
-"""Tests."""
 hypothesis.settings.register_profile("untimed", deadline=None)  # a loaded machine is no fault of the code
 hypothesis.settings.load_profile("untimed")
 ROOT = Path(__file__).resolve().parents[1]
@@ -21,17 +18,16 @@ for name in [name for name in os.environ if name.startswith("PSLV_") and name !=
 os.environ["PSLV_DATABASE"] = tempfile.mkdtemp(prefix="pslv-tests-")  # what is changed on a page is not kept
 
 
-@pytest.fixture(scope="session", autouse=True)
-def compiling(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Compiles the service's kernels beside the first tests of a long run, once; a short run compiles what it uses."""
-    if request.session.testscollected < LONG_RUN or os.environ.get("PYTEST_XDIST_WORKER", "gw0") != "gw0":
-        yield
-        return
-    command = [sys.executable, "-m", "app.main", "compile"]
-    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL) as compiler:
-        os.setpriority(os.PRIO_PROCESS, compiler.pid, 19)
-        yield
-        compiler.kill()
+SERVICES = "tests/faults", "tests/browser", "tests/app/supervisor"
+"""They run a whole service or a browser, which nothing should disturb: `make test` runs them one after the other."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that run a whole service or a browser, before tests are selected by their marks."""
+    for item in items:
+        if item.path.relative_to(ROOT).as_posix().startswith(SERVICES):
+            item.add_marker("service")
 
 
 @pytest.fixture(scope="session")

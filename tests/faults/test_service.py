@@ -42,7 +42,7 @@ def service() -> Iterator[RunningService]:
 
 def until_settled(service: RunningService, spares: int = len(SPARES)) -> None:
     """Everything runs, so many spares too: robots are served before that."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + 4.0 * PATIENCE_S
     while not ((running := states_of(service).keys()) >= PROCESSES and len(running & SPARES) >= spares):
         assert time.monotonic() < deadline
         time.sleep(0.1)

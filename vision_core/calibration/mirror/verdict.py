@@ -109,7 +109,10 @@ def _mirror(fit: MirrorFit, field: FieldSettings | None) -> tuple[Mirror | None,
     except SettingsError as error:
         text = f"the pairs want a mirror that is not allowed ({error.found}); accepted: {error.accepted}"
         return None, (
-            Reason(text, "Are radii in pixels, distances in millimetres, and all of them measured from the center?"),
+            Reason(
+                text,
+                "Check that radii are in pixels, distances in millimetres, and all of them measured from the center.",
+            ),
         )
     if field is None:
         return mirror, ()
