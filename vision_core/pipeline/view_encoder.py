@@ -139,7 +139,7 @@ class ViewEncoder:
         self._boot = boot
         self._mirrors = mirrors_of(settings.mirror)
         """Of each robot, for the page's views and for clients that ask for no other."""
-        self._own_mirrors = settings.match.mode == "practice"
+        self._own_mirrors = settings.match.allows_own_mirrors
         """Clients may ask for another one."""
         self.codes = edge_codes(settings.protocol.letters)
         self._letters = np.array([self.codes[types] for types in TYPES])

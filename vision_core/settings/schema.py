@@ -436,6 +436,11 @@ class MatchSettings(Record, frozen=True):
         tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of yellow 1, 2, ...")
     ]
 
+    @property
+    def allows_own_mirrors(self) -> bool:
+        """Clients may ask for a mirror of their own; in a match all robots see through the same one."""
+        return self.mode == "practice"
+
 
 class TaskTimes(Record, frozen=True):
     """When a task runs, and with which priority."""

@@ -179,7 +179,7 @@ def _rules(settings: Settings, boot: Instant) -> SessionRules:
         lease_s=settings.protocol.lease_s,
         diagonal_m=diagonal_m(settings.field),
         mirrors=mirrors_of(settings.mirror),
-        own_mirrors=settings.match.mode == "practice",
+        own_mirrors=settings.match.allows_own_mirrors,
         admission=_admission(settings.admission),
     )
 

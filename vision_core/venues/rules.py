@@ -6,10 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 
 from vision_core.errors import SettingsError
 from vision_core.models.field import diagonal_m
-from vision_core.models.mirror import Mirror, check_span
+from vision_core.models.from_settings import mirror_from, scope_of
+from vision_core.models.mirror import check_span
 from vision_core.settings.schema import ColorRange, MirrorConstants, Settings
 from vision_core.types.edges import letter_faults
 from vision_core.types.objects import Team
+from vision_core.types.tables import MAX_NUMBERS
 from vision_core.venues.camera_rules import camera_violations
 from vision_core.venues.mask_rules import mask_violations
 from vision_core.venues.violation import Violation
@@ -23,8 +25,7 @@ SPACE_KEYS = {
 ANGLES = {"hue_deg", "phase_deg"}
 MAX_CLASSES = 31
 TASK_NAME = re.compile(r"[a-z][a-z0-9_]{0,15}")
-ROBOT = re.compile(r"(blue|yellow) ([1-9]|1[0-6])")
-LAST_ROBOT = "yellow 16"
+ROBOTS = tuple(scope_of(team, number) for team in Team for number in range(1, MAX_NUMBERS + 1))
 ONE_MIRROR = "in a match the same mirror for all robots of both teams"
 SAMPLE_COMMAND = "pslv colors sample PICTURE --venue FILE --save --class {name} --at X,Y"
 
@@ -108,14 +109,16 @@ def _mirror(settings: Settings) -> Iterator[Violation]:
     teams = {f"mirror.{team}": own for team, own in (("blue", mirrors.blue), ("yellow", mirrors.yellow)) if own}
     robots = {f"mirror.robots.{robot}": own for robot, own in mirrors.robots.items()}
     for robot in mirrors.robots:
-        if not ROBOT.fullmatch(robot):
-            yield Violation(f"mirror.robots.{robot}", repr(robot), f'a team and a number, "blue 1" to "{LAST_ROBOT}"')
+        if robot not in ROBOTS:
+            yield Violation(
+                f"mirror.robots.{robot}", repr(robot), f'a team and a number, "{ROBOTS[0]}" to "{ROBOTS[-1]}"'
+            )
     for key, constants in {"mirror": mirrors, **teams, **robots}.items():
         try:
-            check_span(_mirror_from(constants), diagonal_m(settings.field))
+            check_span(mirror_from(constants), diagonal_m(settings.field))
         except SettingsError as error:
             yield Violation(key, error.found, error.accepted)
-    if settings.match.mode == "match":
+    if not settings.match.allows_own_mirrors:
         yield from _one_mirror(mirrors, teams, robots)
 
 
@@ -123,19 +126,15 @@ def _one_mirror(
     field: MirrorConstants, teams: Mapping[str, MirrorConstants], robots: Mapping[str, MirrorConstants]
 ) -> Iterator[Violation]:
     """In a match all robots of both teams see through the same mirror."""
-    common = _mirror_from(field)
+    common = mirror_from(field)
     if len(teams) == len(Team):
-        common = _mirror_from(next(iter(teams.values())))
+        common = mirror_from(next(iter(teams.values())))
     for key, constants in {**teams, **robots}.items():
-        if (own := _mirror_from(constants)) != common:
+        if (own := mirror_from(constants)) != common:
             found = f"A {own.a:g}, B {own.b:g}, C {own.c:g}, in match mode"
             yield Violation(
                 key, found, f"{ONE_MIRROR}, A {common.a:g}, B {common.b:g}, C {common.c:g}; or practice mode"
             )
-
-
-def _mirror_from(constants: MirrorConstants) -> Mirror:
-    return Mirror(constants.a, constants.b, constants.c)
 
 
 def _tasks(settings: Settings) -> Iterator[Violation]:

@@ -4,6 +4,7 @@ import numpy as np
 from msgspec import to_builtins
 
 from app.web.reports.base import Report
+from app.web.reports.mirrors import MirrorShape, shape_of
 from app.web.reports.reasons import ReasonReport, finite, reasons_from
 from vision_core.calibration.mirror.result import MirrorCalibration
 
@@ -31,20 +32,11 @@ class CurveReport(Report):
     """Standard deviation: the band is twice as wide to either side."""
 
 
-class ConstantsReport(Report):
-    """A, B, C of equation 1, and what they mean."""
+class ConstantsReport(MirrorShape):
+    """A, B, C of equation 1 as they were fitted."""
 
-    a: float
-    b: float
-    c: float
     deviations: tuple[float, float, float]
     """Standard deviations of A, B, C."""
-    focal_px: float
-    height_mm: float
-    """Of the effective viewpoint over the floor."""
-    bend: float
-    """u; b/a = sinh(u/2) of the hyperboloid."""
-    horizon_px: float
 
 
 class MirrorResult(Report):
@@ -91,12 +83,7 @@ def mirror_from(result: MirrorCalibration) -> MirrorResult:
 
 
 def _constants(result: MirrorCalibration) -> ConstantsReport | None:
-    if result.mirror is None or result.shape is None:
+    if result.mirror is None:
         return None
     deviation_a, deviation_b, deviation_c = np.sqrt(np.diag(np.array(result.covariance))).tolist()
-    return ConstantsReport(
-        **to_builtins(result.mirror),
-        **to_builtins(result.shape),
-        deviations=(deviation_a, deviation_b, deviation_c),
-        horizon_px=result.mirror.horizon_px,
-    )
+    return ConstantsReport(deviations=(deviation_a, deviation_b, deviation_c), **shape_of(result.mirror))

@@ -1,20 +1,17 @@
 """The mirrors in force, and one that somebody thinks of."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import setting
 from app.web.reports.base import Report
 from vision_core.models.field import diagonal_m
-from vision_core.models.from_settings import mirror_of
+from vision_core.models.from_settings import FIELD, given_mirrors, mirror_from, scope_of
 from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import MM_PER_M, Mirror
-from vision_core.settings.schema import MirrorConstants, Settings
+from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
 
-FIELD = "field"
 CURVE_STEP_MM = 50.0
 NEAREST_MM = 100.0
 
@@ -86,13 +83,6 @@ class MirrorPreview(Report):
     """From 100 mm to the field's diagonal; empty: it is no mirror."""
 
 
-def scope_of(team: Team | None, number: int | None = None) -> str:
-    """What a scope is called."""
-    if team is None:
-        return FIELD
-    return team.value if number is None else f"{team.value} {number}"
-
-
 def entries_of(scope: str) -> dict[str, str]:
     """The document's entries of a scope: that of each constant, or, under "", that of all three."""
     if scope == FIELD:
@@ -118,13 +108,9 @@ def mirrors_from(configuration: Configuration) -> MirrorsReport:
 def in_force(configuration: Configuration, team: Team | None, number: int | None = None) -> MirrorInForce:
     """The mirror of a scope: the field's robots, those of a team, or one robot."""
     settings, scope = configuration.settings, scope_of(team, number)
-    given_by = next(name for name, own in _own(settings, team, number) if own is not None)
-    if team is None:
-        mirror = Mirror(settings.mirror.a, settings.mirror.b, settings.mirror.c)
-    else:
-        mirror = mirror_of(settings.mirror, team, number)
+    given_by, constants = next(given_mirrors(settings.mirror, team, number))
     is_changed = any(key in configuration.entries for key in entries_of(scope).values())
-    return MirrorInForce(scope=scope, given_by=given_by, is_changed=is_changed, **_meaning(mirror))
+    return MirrorInForce(scope=scope, given_by=given_by, is_changed=is_changed, **shape_of(mirror_from(constants)))
 
 
 def preview_from(
@@ -134,23 +120,13 @@ def preview_from(
     return MirrorPreview(
         scope=scope,
         violations=violations,
-        mirror=None if mirror is None else MirrorShape(**_meaning(mirror)),
+        mirror=None if mirror is None else MirrorShape(**shape_of(mirror)),
         curve=[] if mirror is None else _curve(mirror, diagonal_m(settings.field)),
     )
 
 
-def _own(settings: Settings, team: Team | None, number: int | None) -> Iterator[tuple[str, MirrorConstants | None]]:
-    """The scopes that may give a mirror, in their order, with what they have."""
-    mirrors = settings.mirror
-    if team is not None:
-        if number is not None:
-            scope = scope_of(team, number)
-            yield scope, mirrors.robots.get(scope)
-        yield team.value, mirrors.blue if team is Team.BLUE else mirrors.yellow
-    yield FIELD, mirrors
-
-
-def _meaning(mirror: Mirror) -> dict[str, float]:
+def shape_of(mirror: Mirror) -> dict[str, float]:
+    """The fields of a ``MirrorShape``."""
     shape = Hyperboloid.of(mirror)
     return {
         "a": mirror.a,

@@ -11,7 +11,6 @@ from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.changes import ChangeReport
 from app.web.reports.mirrors import (
-    FIELD,
     MirrorInForce,
     MirrorPreview,
     MirrorsReport,
@@ -20,10 +19,10 @@ from app.web.reports.mirrors import (
     in_force,
     mirrors_from,
     preview_from,
-    scope_of,
 )
 from app.web.routes.change import change
 from vision_core.errors import SettingsError
+from vision_core.models.from_settings import FIELD, scope_of
 from vision_core.models.mirror import Mirror, constants_fault
 from vision_core.types.objects import Team
 from vision_core.types.tables import MAX_NUMBERS

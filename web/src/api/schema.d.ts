@@ -2510,7 +2510,7 @@ export interface components {
         };
         /**
          * ConstantsReport
-         * @description A, B, C of equation 1, and what they mean.
+         * @description A, B, C of equation 1 as they were fitted.
          */
         ConstantsReport: {
             /** A */
@@ -2533,11 +2533,14 @@ export interface components {
                 number,
                 number
             ];
-            /** Focal Px */
+            /**
+             * Focal Px
+             * @description f of the on-board camera.
+             */
             focal_px: number;
             /**
              * Height Mm
-             * @description Of the effective viewpoint over the floor.
+             * @description h: the effective viewpoint over the floor.
              */
             height_mm: number;
             /** Horizon Px */
