@@ -21,7 +21,7 @@ class Lab:
 
     def __init__(self, field: str = "3 m") -> None:
         setup = Setup(field, "640x480", ONBOARD_PX[field], tall=False)
-        self.ceiling = CeilingSide(setup, setup.mirror)
+        self.ceiling = CeilingSide(setup)
         self.onboard = OnboardSide(setup, setup.mirror)
         self.mirror = setup.mirror
 
@@ -34,9 +34,7 @@ class Lab:
 
     def truth(self, snapshot: Snapshot) -> Evidence:
         """The truth of a world."""
-        view = self.ceiling.report(self.ceiling.true_world(snapshot))
-        assert view is not None
-        return evidence(snapshot, view, self.onboard)
+        return evidence(snapshot, self.onboard.scene(snapshot), self.ceiling, self.onboard)
 
 
 def exact(truth: Evidence) -> Report:

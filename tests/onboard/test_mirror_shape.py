@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.onboard.mirror_shape import MirrorShape
 
@@ -12,13 +13,13 @@ MIRRORS = (
     PAPER_MIRROR,
     Mirror(1.933098, 0.00296946, 360000.0),  # division B
     Mirror(8.591547, 0.01583711, 250000.0),  # Very Small Size
-    MirrorShape(150.0, 0.1, 1.2).mirror,
+    Hyperboloid(150.0, 100.0, 1.2).mirror(),
 )
 
 
 @pytest.mark.parametrize("mirror", MIRRORS)
 def test_constants_and_shape_are_one_to_one(mirror: Mirror) -> None:
-    back = MirrorShape.from_mirror(mirror).mirror
+    back = Hyperboloid.of(mirror).mirror()
     assert (back.a, back.b, back.c) == pytest.approx((mirror.a, mirror.b, mirror.c), rel=1e-12)
 
 

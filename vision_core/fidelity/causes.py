@@ -66,6 +66,8 @@ class Evidence:
     ball: SeenBall
     scene: Scene
     mirror: Mirror
+    scale: float
+    """Pixels of the on-board picture per pixel of equation 1."""
     nearest_px: float
     """The own body hides the floor nearer than this."""
     line_mm: float

@@ -44,9 +44,8 @@ class Detection(NamedTuple):
 class CeilingSide:
     """Sees worlds from the ceiling and tells what the viewer would see, with the functions that the service uses."""
 
-    def __init__(self, setup: Setup, mirror: Mirror, rays: int = GRIDS[0]) -> None:
+    def __init__(self, setup: Setup, rays: int = GRIDS[0]) -> None:
         self.settings = setup.settings
-        self._mirror = mirror
         self.camera = CameraSetup.from_settings(self.settings)
         self._worn = World(self.settings).robots_worn
         self._renderer = Renderer(self.settings, self.camera, self._worn)
@@ -81,14 +80,14 @@ class CeilingSide:
         row["balls"][0]["x_m"], row["balls"][0]["y_m"] = snapshot.ball[:2]
         return table
 
-    def report(self, world: WorldTable) -> Report | None:
-        """What the viewer is told of a world; None when it is not found, so that nothing is sent to it."""
+    def report(self, world: WorldTable, mirror: Mirror) -> Report | None:
+        """What the viewer is told of a world through a mirror; None when it is not found, so that nothing is sent."""
         self._views.render(world)
         view = self._views.view(world, *VIEWER)
         if view is None:
             return None
-        ball = reference_ball(view.ball, Options(), self._mirror)
-        return report_of(view.kinds, millimetres(view.distances_m), self._mirror, ball)
+        ball = reference_ball(view.ball, Options(), mirror)
+        return report_of(view.kinds, millimetres(view.distances_m), mirror, ball)
 
     def detection(self, world: WorldTable, snapshot: Snapshot) -> Detection:
         """How far a world that was seen is from the truth."""

@@ -2,7 +2,7 @@
 
 from vision_core.errors import SourceError
 from vision_core.fidelity.ceiling import CeilingSide
-from vision_core.fidelity.experiment import Comparison, Tally, add
+from vision_core.fidelity.experiment import Comparison, Tally, add, evidence
 from vision_core.fidelity.figures import doubled, figure_3, figure_4, figure_6, marked, side_by_side
 from vision_core.fidelity.onboard import OnboardSide
 from vision_core.fidelity.worlds import Setup, random_world
@@ -14,11 +14,12 @@ def demonstrate(setup: Setup, seed: int) -> tuple[Comparison, dict[str, Bytes]]:
 
     Raises SourceError when the ceiling camera does not find the viewer.
     """
-    ceiling, onboard = CeilingSide(setup, setup.mirror), OnboardSide(setup, setup.mirror)
+    ceiling, onboard = CeilingSide(setup), OnboardSide(setup, setup.mirror)
     snapshot = random_world(ceiling.settings, seed)
-    picture = onboard.picture(onboard.scene(snapshot))
+    scene = onboard.scene(snapshot)
+    picture = onboard.picture(scene)
     tally = Tally(setup)
-    add(tally, seed, snapshot, onboard.report(picture), ceiling, onboard)
+    add(tally, seed, snapshot, onboard.report(picture), evidence(snapshot, scene, ceiling, onboard), ceiling)
     if not tally.comparisons:
         raise SourceError(f"the world of seed {seed}", found="robot A is not found", accepted="another seed or camera")
     comparison = tally.comparisons[0]

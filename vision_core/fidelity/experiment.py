@@ -14,6 +14,7 @@ from vision_core.fidelity.onboard import OnboardSide
 from vision_core.fidelity.reports import Report
 from vision_core.fidelity.worlds import CEILING_PX, Setup, random_world
 from vision_core.geometry import Floats, Mask
+from vision_core.onboard.scene import Scene
 from vision_core.onboard.truth import seen_ball
 from vision_core.views.renderer import GRIDS
 
@@ -126,32 +127,28 @@ def run(
     tallies = {ceiling: Tally(setup) for ceiling, setup in setups.items()}
     first = next(iter(setups.values()))
     onboard = OnboardSide(first, first.mirror)
-    sides = {ceiling: CeilingSide(setup, first.mirror) for ceiling, setup in setups.items()}
+    sides = {ceiling: CeilingSide(setup) for ceiling, setup in setups.items()}
     for seed in seeds:
         show(f"{field_name} field, {'high' if tall else 'low'} robots: world {seed}")
         snapshot = random_world(onboard.settings, seed)
         scene = onboard.scene(snapshot)
         seen = onboard.report(onboard.picture(scene))
+        truth = evidence(snapshot, scene, next(iter(sides.values())), onboard)
         for ceiling, side in sides.items():
-            add(tallies[ceiling], seed, snapshot, seen, side, onboard)
+            add(tallies[ceiling], seed, snapshot, seen, truth, side)
     return tallies
 
 
-def add(
-    tally: Tally, seed: int, snapshot: Snapshot, seen: Report, side: CeilingSide, onboard: OnboardSide
-) -> None:  # fmt: skip
+def add(tally: Tally, seed: int, snapshot: Snapshot, seen: Report, truth: Evidence, side: CeilingSide) -> None:
     """Compare what an on-board side saw of a world with what a ceiling side tells of it."""
     tally.worlds += 1
     world = side.world(snapshot)
-    told = side.report(world)
+    told = side.report(world, truth.mirror)
     if told is None:
         tally.unserved.append(seed)
         return
     detection = side.detection(world, snapshot)
-    exact_view = side.report(side.true_world(snapshot))
-    assert exact_view is not None
-    truth = evidence(snapshot, exact_view, onboard)
-    mirror = truth.mirror
+    exact_view = truth.exact_view
     tally.comparisons.append(
         Comparison(
             seed=seed,
@@ -163,16 +160,15 @@ def add(
             ceiling_mm=_errors_mm(told, exact_view, truth),
             onboard_mm=_errors_mm(seen, truth.exact, truth),
             detection=detection,
-            ball=compare_balls(
-                told.ball, seen.ball, exact_view.ball, truth.ball, detection, mirror, onboard.geometry.scale
-            ),
+            ball=compare_balls(told.ball, seen.ball, exact_view.ball, truth.ball, detection, truth.mirror, truth.scale),
         )
     )
 
 
-def evidence(snapshot: Snapshot, exact_view: Report, onboard: OnboardSide) -> Evidence:
-    """The truth of a world, for explaining."""
-    scene = onboard.scene(snapshot)
+def evidence(snapshot: Snapshot, scene: Scene, ceiling: CeilingSide, onboard: OnboardSide) -> Evidence:
+    """The truth of a world, for explaining: the same for every ceiling camera over the field."""
+    exact_view = ceiling.report(ceiling.true_world(snapshot), onboard.mirror)
+    assert exact_view is not None
     solids = onboard.first_solids(scene, FINER * GRIDS[0])
     return Evidence(
         exact_view=exact_view,
@@ -181,6 +177,7 @@ def evidence(snapshot: Snapshot, exact_view: Report, onboard: OnboardSide) -> Ev
         ball=seen_ball(scene),
         scene=scene,
         mirror=onboard.mirror,
+        scale=onboard.geometry.scale,
         nearest_px=onboard.geometry.nearest_px,
         line_mm=onboard.line_mm,
     )

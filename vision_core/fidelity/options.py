@@ -14,8 +14,7 @@ import numpy as np
 from vision_core.fidelity.agreement import MAX_ERROR_PX, Agreement, compare
 from vision_core.fidelity.ceiling import CeilingSide
 from vision_core.fidelity.reports import Report
-from vision_core.fidelity.worlds import CEILING_PX, FIELDS, ONBOARD_PX, Setup, random_world
-from vision_core.onboard.mirror_shape import MirrorShape
+from vision_core.fidelity.worlds import CEILING_PX, FIELDS, ONBOARD_PX, Setup, random_world, zoomed
 from vision_core.protocol.options import Options, ray_indices
 from vision_core.views.renderer import MAX_RAYS
 
@@ -54,15 +53,13 @@ def measure(
     rows = []
     for field, ceiling in product(fields, tuple(ceilings)):
         setup = Setup(field, ceiling, ONBOARD_PX[field], tall=False)
-        shape = MirrorShape.from_mirror(setup.mirror)
+        side = CeilingSide(setup, MAX_RAYS)
+        snapshots = [random_world(side.settings, seed) for seed in seeds]
+        worlds = [(side.world(snapshot), side.true_world(snapshot)) for snapshot in snapshots]
         zoom_most = MOST_PX / setup.mirror.horizon_px
         for zoom in (1.0, zoom_most) if zoom_most > 1.0 else (1.0,):
-            mirror = MirrorShape(zoom * shape.f_px, shape.h_m, shape.u).mirror
-            side = CeilingSide(setup, mirror, MAX_RAYS)
-            pairs = []
-            for seed in seeds:
-                snapshot = random_world(side.settings, seed)
-                pairs.append((side.report(side.world(snapshot)), side.report(side.true_world(snapshot))))
+            mirror = zoomed(setup.mirror, zoom)
+            pairs = [(side.report(seen, mirror), side.report(exact, mirror)) for seen, exact in worlds]
             rows += [_row(setup, view, mirror.horizon_px, pairs) for view in VIEWS]
     return rows
 

@@ -1,7 +1,7 @@
 """The worlds of the experiment: two fields, two ceiling cameras, robots lower than the viewpoint or as high."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -10,8 +10,8 @@ import numpy as np
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.geometry import Floats
 from vision_core.models.from_settings import mirror_of, robots_of
+from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.onboard.mirror_shape import MirrorShape
 from vision_core.onboard.scene import snapshot_of
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
@@ -62,9 +62,14 @@ class Setup:
     def mirror(self) -> Mirror:
         """The field's, which looks down on a league-size field from 0.8 m; for tall robots the paper's, 219 mm high."""
         if self.tall and self.field == "league":
-            shape = MirrorShape.from_mirror(PAPER_MIRROR)
-            return MirrorShape(LEAGUE_ZOOM * shape.f_px, shape.h_m, shape.u).mirror
+            return zoomed(PAPER_MIRROR, LEAGUE_ZOOM)
         return mirror_of(self.settings.mirror, VIEWER[0])
+
+
+def zoomed(mirror: Mirror, zoom: float) -> Mirror:
+    """The same mirror over a camera of another focal length: so many pixels for one."""
+    shape = Hyperboloid.of(mirror)
+    return replace(shape, focal_px=zoom * shape.focal_px).mirror()
 
 
 @lru_cache(maxsize=16)

@@ -41,11 +41,6 @@ class MirrorShape:
         return cls(form.focal_px, form.height_mm / MM_PER_M, form.bend)
 
     @property
-    def mirror(self) -> Mirror:
-        """As equation 1 says it."""
-        return Hyperboloid(self.f_px, self.h_m * MM_PER_M, self.u).mirror()
-
-    @property
     def c_m(self) -> float:
         """Half the distance of the foci [m]."""
         return 0.5 * FOCI_SHARE * self.h_m
