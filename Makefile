@@ -9,7 +9,8 @@ READY  := $(VENV)/.ready-$(notdir $(PYTHON))
 run: $(READY)            ## start the service on a simulated ceiling camera
 	$(BIN)/pslv serve
 
-test: $(READY)           ## all tests: side by side, then those with a whole service alone; exit status 5 is: none selected
+# ARGS may select tests of one kind only: 5 is pytest's exit status where it selects none.
+test: $(READY)           ## all tests: side by side, then one after the other those that run a whole service or a browser
 	$(BIN)/python web/build.py || echo "the page cannot be built here: its tests are skipped"
 	PSLV_DATA_DIR=$(CURDIR)/.pslv $(BIN)/pslv compile
 	$(BIN)/python -m pytest -m "not service" -n auto --maxprocesses 4 --dist loadfile $(ARGS) || [ $$? = 5 ]

@@ -322,6 +322,16 @@ def served_page(service: FakeService, path: str = "/healthz") -> Iterator[str]:
     server.stop()
 
 
+@contextmanager
+def asked_by_operator(service: FakeService, timeout_s: float = 20.0) -> Iterator[httpx.Client]:
+    """An operator's client of the API of a fake service, until the end of the block."""
+    with (
+        served_page(service) as address,
+        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=timeout_s) as client,
+    ):
+        yield client
+
+
 def wait_for(reached: Callable[[], object], patience_s: float = 20.0) -> None:
     """Wait until something is so. Raises AssertionError after the patience."""
     deadline = time.monotonic() + patience_s

@@ -9,7 +9,7 @@ import pytest
 from app.web.blackboard import Blackboard, Picture
 from bench.board_views import board_pictures
 from bench.calibration_views import View, floor_error_m, view
-from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from tests.app.fake_service import Scene, asked_by_operator, running_service, wait_for
 from vision_core.calibration.find import corners_m
 from vision_core.clock import Instant
 from vision_core.geometry import Bytes
@@ -27,14 +27,8 @@ def shown() -> View:
 
 @pytest.fixture
 def http() -> Iterator[httpx.Client]:
-    service = FakeService(Scene())
-    service.start()
-    with (
-        served_page(service) as address,
-        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=20.0) as client,
-    ):
+    with running_service(Scene()) as service, asked_by_operator(service) as client:
         yield client
-    service.stop()
 
 
 def take(http: httpx.Client, monkeypatch: pytest.MonkeyPatch, pixels: Bytes) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.web.blackboard import Blackboard
-from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from tests.app.fake_service import Scene, asked_by_operator, running_service, wait_for
 from tests.calibration.mirror.pictures import around
 from vision_core.geometry import Bytes
 from vision_core.models.mirror import PAPER_MIRROR
@@ -22,14 +22,8 @@ TEXT = "r [mm];R [px]\n" + "\n".join(f"{pair['r_mm']};{pair['r_px']}".replace(".
 
 @pytest.fixture(scope="module")
 def http() -> Iterator[httpx.Client]:
-    service = FakeService(Scene())
-    service.start()
-    with (
-        served_page(service) as address,
-        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=20.0) as client,
-    ):
+    with running_service(Scene()) as service, asked_by_operator(service) as client:
         yield client
-    service.stop()
 
 
 def fitted(http: httpx.Client, body: dict[str, object]) -> dict[str, object]:

@@ -6,7 +6,7 @@ from typing import Any
 import httpx
 import pytest
 
-from tests.app.fake_service import FakeService, Scene, served_page
+from tests.app.fake_service import FakeService, Scene, asked_by_operator
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.rtdb import records
 
@@ -21,10 +21,7 @@ def service() -> FakeService:
 
 @pytest.fixture(scope="module")
 def client(service: FakeService) -> Iterator[httpx.Client]:
-    with (
-        served_page(service) as address,
-        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=20.0) as client,
-    ):
+    with asked_by_operator(service) as client:
         yield client
 
 

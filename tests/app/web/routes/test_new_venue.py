@@ -10,7 +10,7 @@ import httpx
 import pytest
 
 from app.web.blackboard import Blackboard, Picture
-from tests.app.fake_service import FakeService, Scene, served_page, wait_for
+from tests.app.fake_service import Scene, asked_by_operator, running_service, wait_for
 from tests.setup.demo import DemoPicture, demo_pictures
 from vision_core.clock import Instant
 from vision_core.native.opencv import encode_png
@@ -29,17 +29,11 @@ def shown() -> tuple[DemoPicture, ...]:
 
 @pytest.fixture
 def http(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[httpx.Client]:
-    service = FakeService(Scene())
-    service.start()
-    with (
-        served_page(service) as address,
-        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=90.0) as client,
-    ):
+    with running_service(Scene()) as service, asked_by_operator(service, 90.0) as client:
         monkeypatch.setattr("app.web.routes.new_venue.own_venues_folder", lambda: tmp_path)
         monkeypatch.setattr("app.web.reports.new_venue.own_venues_folder", lambda: tmp_path)
         monkeypatch.setattr("vision_core.setup.venue_file.own_venues_folder", lambda: tmp_path)
         yield client
-    service.stop()
 
 
 def give(http: httpx.Client, name: str, data: bytes) -> httpx.Response:

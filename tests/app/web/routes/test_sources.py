@@ -11,7 +11,7 @@ import pytest
 from app.web.configuration import sources
 from app.web.problems import RequestRefused
 from app.web.routes.api import file_name
-from tests.app.fake_service import FakeService, running_service, served_page, wait_for
+from tests.app.fake_service import FakeService, asked_by_operator, running_service, wait_for
 from vision_core.native.opencv import read_picture, write_picture
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.settings.layers import Layer, LayerKind
@@ -27,10 +27,7 @@ def service() -> Iterator[FakeService]:
 
 @pytest.fixture(scope="module")
 def http(service: FakeService) -> Iterator[httpx.Client]:
-    with (
-        served_page(service) as address,
-        httpx.Client(base_url=f"http://{address}/api/v1", headers=service.operator, timeout=60.0) as http,
-    ):
+    with asked_by_operator(service, 60.0) as http:
         yield http
 
 
