@@ -5,6 +5,14 @@ import numpy as np
 from vision_core.calibration.lens import HEIGHT, Lens
 from vision_core.geometry import Floats, Mask
 
+MEDIAN_PER_SIGMA = 0.6745
+"""Of the absolute values of normal deviates."""
+
+
+def sd_by_median(distances: Floats) -> float:
+    """The standard deviation of distances, shape (n,), n > 0, by their median: a few wrong ones do not move it."""
+    return float(np.median(np.abs(distances))) / MEDIAN_PER_SIGMA
+
 
 def is_visible(pixels: Floats, size_px: tuple[int, int]) -> Mask:
     """Which pixels lie in a picture of this width and height, shape (..., 2) -> (...)."""

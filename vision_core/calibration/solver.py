@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.calibration.certainty import sd_by_median
 from vision_core.calibration.descent import descend
 from vision_core.calibration.lens import COUNT, Lens
 from vision_core.geometry import Floats
 
 STEPS = 12
 LEAST_NOISE_PX = 0.05
-MEDIAN_PER_SIGMA = 0.6745
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,11 +148,7 @@ class _Problem:
 
 
 def _noise(distances: Floats) -> float:
-    return (
-        max(float(np.median(np.abs(distances))) / MEDIAN_PER_SIGMA, LEAST_NOISE_PX)
-        if len(distances)
-        else LEAST_NOISE_PX
-    )
+    return max(sd_by_median(distances), LEAST_NOISE_PX) if len(distances) else LEAST_NOISE_PX
 
 
 def _weights(distances: Floats, noise_px: float) -> Floats:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vision_core.calibration.certainty import sd_by_median
 from vision_core.calibration.descent import descend
 from vision_core.calibration.mirror.lines import best_line
 from vision_core.calibration.mirror.pairs import Pairs
@@ -33,7 +34,6 @@ OUTLIER_SIGMAS, OUTLIER_PX = 4.0, 1.0
 """A pair that misses the curve by so many deviations, and by so much, does not count."""
 LEAST_NOISE_PX, CUT_NOISE_PX = 0.1, 0.2887
 """Nobody measures better; 1/sqrt(12), that of radii that were cut to whole numbers."""
-MEDIAN_PER_SIGMA = 0.6745
 MIN_ALIKE, ALIKE_SIGMAS, MAX_ALIKE = 12, 3.0, 0.95
 """From so many pairs on residuals of neighbours are compared; what is correlated by so many deviations is no noise."""
 MAX_LOG = 30.0
@@ -149,8 +149,7 @@ class _Data:
     def robust_noise_px(self, logs: Floats) -> float:
         """By the median, which outliers do not move."""
         freedom = len(self.radii_px) / max(len(self.radii_px) - PARAMETERS, 1)
-        median = float(np.median(np.abs(self.off_px(logs))) * np.sqrt(freedom))
-        return max(median / MEDIAN_PER_SIGMA, self.least_noise_px)
+        return max(sd_by_median(self.off_px(logs)) * float(np.sqrt(freedom)), self.least_noise_px)
 
     def noise_px(self, logs: Floats) -> float:
         """By the mean square."""
