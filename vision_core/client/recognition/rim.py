@@ -21,6 +21,7 @@ MIN_TRIM_PX, TRIM_SIGMAS = 1.0, 2.5
 SIGMAS_OF_MEDIAN = 1.4826
 MIN_SHARE = 0.4
 """Of the points, that must lie on the circle."""
+ACCEPTED = f"a color picture of at least {RUN_PX}x{RUN_PX} px"
 GIVE_IT = "a round mirror before a dark outside, or its center and rim given: --center X Y --rim PX"
 
 
@@ -40,7 +41,7 @@ def find_rim(picture: Bytes) -> Rim:
     by something dark. Raises SourceError when the corners are not dark or there is no circle.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or min(picture.shape[:2]) < RUN_PX:
-        raise SourceError("the mirror's rim", found=f"an array of shape {picture.shape}", accepted="a color picture")
+        raise SourceError("the mirror's rim", found=f"an array of shape {picture.shape}", accepted=ACCEPTED)
     light = picture.max(axis=2).astype(np.float64)
     side = max(int(CORNER_SHARE * min(light.shape)), 1)
     corners = [light[rows, columns] for rows in (slice(side), slice(-side, None)) for columns in _ends(side)]
