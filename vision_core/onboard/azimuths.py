@@ -1,4 +1,4 @@
-"""Kernels: where the solids stand at the times of the rays, and at which azimuths: a pixel's rays test few of them."""
+"""Kernels: where the solids stand at the times of the rays, and what they cover: a pixel's rays test few of them."""
 
 import math
 
@@ -13,6 +13,9 @@ from vision_core.types.tables import Table
 PLACE = 6
 """Columns of a solid's place: the viewpoint in its space, cosine and sine of the viewer's heading in it, and of its own
 heading in the field."""
+BEARING, LOWEST, HIGHEST, NEAREST, BEYOND = range(5)
+"""Columns of an extent: an azimuth in robot space, and how far from it the lowest and the highest one lie; the nearest
+distance on the floor [m]; rays that meet the floor farther away than BEYOND pass over it."""
 
 
 @kernel
@@ -56,27 +59,61 @@ def shapes_of(solids: Table) -> Floats:
 
 
 @kernel
-def azimuths_of(solids: Table, places: Floats) -> Floats:
-    """The azimuths that every solid covers at any of the times: bearing, lowest and highest from it, shape (n, 3)."""
-    azimuths = np.zeros((len(solids), 3))
+def extents_of(
+    solids: Table, places: Floats, viewpoints: Floats, times: Floats, ball: Floats, height_m: float
+) -> Floats:
+    """What every solid, and last the ball, covers at any of the times: columns BEARING .. BEYOND, shape (n + 1, 5).
+
+    viewpoints, places: at the times [s]; ball: as in ``Scene``; height_m: of the viewpoint.
+    """
+    extents = np.zeros((len(solids) + 1, 5))
+    extents[:, NEAREST] = math.inf
     for i in range(len(solids)):
-        length, width = solids[i].half_length_m, solids[i].half_width_m
-        azimuths[i, 0] = _bearing(places[0, i], 0.0, 0.0)
+        extent, length, width = extents[i], solids[i].half_length_m, solids[i].half_width_m
+        extent[BEARING] = _bearing(places[0, i], 0.0, 0.0)
         for k in range(len(places)):
-            x, y = places[k, i, 0], places[k, i, 1]
+            place = places[k, i]
+            x, y = abs(place[0]), abs(place[1])
             if solids[i].round:
-                distance = math.sqrt(x * x + y * y)
-                half = math.asin(length / distance) if distance > length else math.pi
-                aside = wrap_angle(_bearing(places[k, i], 0.0, 0.0) - azimuths[i, 0])
-                azimuths[i, 1], azimuths[i, 2] = min(azimuths[i, 1], aside - half), max(azimuths[i, 2], aside + half)
-            elif abs(x) <= length and abs(y) <= width:
-                azimuths[i, 1], azimuths[i, 2] = -math.pi, math.pi
-            else:
-                for corner in range(4):
-                    along, across = length if corner % 2 else -length, width if corner // 2 else -width
-                    aside = wrap_angle(_bearing(places[k, i], along, across) - azimuths[i, 0])
-                    azimuths[i, 1], azimuths[i, 2] = min(azimuths[i, 1], aside), max(azimuths[i, 2], aside)
-    return azimuths
+                _widen_by_disc(extent, _bearing(place, 0.0, 0.0), math.hypot(x, y), length)
+                continue
+            half = math.pi if x <= length and y <= width else 0.0
+            near, far = math.hypot(max(x - length, 0.0), max(y - width, 0.0)), math.hypot(x + length, y + width)
+            for corner in range(4):
+                along, across = length if corner % 2 else -length, width if corner // 2 else -width
+                _widen(extent, _bearing(place, along, across), half, near, far)
+        extent[BEYOND] *= _stretch(solids[i].top_m, height_m)
+    extent = extents[-1]
+    for k in range(len(times)):
+        dx, dy = ball[0] + times[k] * ball[2] - viewpoints[k, 0], ball[1] + times[k] * ball[3] - viewpoints[k, 1]
+        c, s = viewpoints[k, 2], viewpoints[k, 3]
+        bearing = math.atan2(c * dy - s * dx, c * dx + s * dy)
+        if k == 0:
+            extent[BEARING] = bearing
+        _widen_by_disc(extent, bearing, math.hypot(dx, dy), ball[4])
+    extent[BEYOND] *= _stretch(2.0 * ball[4], height_m)
+    return extents
+
+
+@kernel
+def _widen_by_disc(extent: Floats, bearing: float, distance: float, radius: float) -> None:
+    """Widen an extent by a disc whose center is seen in a direction, at a distance on the floor."""
+    half = math.asin(radius / distance) if distance > radius else math.pi
+    _widen(extent, bearing, half, distance - radius, distance + radius)
+
+
+@kernel
+def _widen(extent: Floats, bearing: float, half: float, near: float, far: float) -> None:
+    """Widen an extent by the azimuths on both sides of a bearing and by distances on the floor."""
+    aside = wrap_angle(bearing - extent[BEARING])
+    extent[LOWEST], extent[HIGHEST] = min(extent[LOWEST], aside - half), max(extent[HIGHEST], aside + half)
+    extent[NEAREST], extent[BEYOND] = min(extent[NEAREST], near), max(extent[BEYOND], far)
+
+
+@kernel
+def _stretch(top_m: float, height_m: float) -> float:
+    """How many times farther away than a top the ray over it meets the floor; inf: it never does."""
+    return height_m / (height_m - top_m) if top_m < height_m else math.inf
 
 
 @kernel
@@ -87,15 +124,22 @@ def _bearing(place: Floats, x: float, y: float) -> float:
 
 
 @kernel
-def find_candidates(candidates: NDArray[np.int64], azimuths: Floats, azimuth: float, margin: float) -> int:
-    """Fill in the numbers of the solids that rays within a margin of an azimuth may meet; how many there are."""
+def find_candidates(
+    candidates: NDArray[np.int64], extents: Floats, azimuth: float, margin: float, near: float, far: float
+) -> int:
+    """Fill in the rows of the extents that some rays may meet; how many there are.
+
+    The rays lie within a margin of an azimuth and meet the floor at distances of near to far [m].
+    """
     count = 0
-    for i in range(len(azimuths)):
-        aside = wrap_angle(azimuth - azimuths[i, 0])
+    for i in range(len(extents)):
+        if extents[i, NEAREST] > far or near > extents[i, BEYOND]:
+            continue
+        aside, lowest, highest = wrap_angle(azimuth - extents[i, BEARING]), extents[i, LOWEST], extents[i, HIGHEST]
         if (
-            azimuths[i, 1] - margin <= aside <= azimuths[i, 2] + margin
-            or azimuths[i, 1] - margin + 2.0 * math.pi <= aside
-            or aside <= azimuths[i, 2] + margin - 2.0 * math.pi
+            lowest - margin <= aside <= highest + margin
+            or lowest - margin + 2.0 * math.pi <= aside
+            or aside <= highest + margin - 2.0 * math.pi
         ):
             candidates[count] = i
             count += 1

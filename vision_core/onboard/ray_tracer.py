@@ -17,7 +17,7 @@ from vision_core.capture.synthetic.floor import COLORS, HORIZON
 from vision_core.geometry import Bytes, Floats
 from vision_core.native.kernels import kernel
 from vision_core.onboard import mirror_shape
-from vision_core.onboard.azimuths import azimuths_of, find_candidates, places_of, shapes_of, viewpoints_of
+from vision_core.onboard.azimuths import extents_of, find_candidates, places_of, shapes_of, viewpoints_of
 from vision_core.onboard.prism_rays import MISSED, TIE_M, Point, hit_prism, hit_sphere
 from vision_core.onboard.scene import Scene
 from vision_core.onboard.shading import color_ball, color_floor_point, color_prism, lamps_at
@@ -32,7 +32,7 @@ BALL, FLOOR, ROOM, OUTSIDE = -1, -2, -3, -4
 """Labels of what a ray meets, beside the rows of the scene's solids; OUTSIDE: it does not meet the mirror."""
 CENTER_PX = 3.0
 """So near to the center of the picture, a pixel's rays go to all azimuths."""
-ROUNDING_RAD = 1e-9
+ROUNDING = 1e-9
 
 
 class Optics(NamedTuple):
@@ -70,8 +70,8 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
     """
     height, width, _ = picture.shape
     around = _around(samples, scene)
-    azimuths = azimuths_of(scene.solids, around.places)
-    candidates = np.empty(len(azimuths), dtype=np.int64)
+    extents = _extents(around, scene)
+    candidates = np.empty(len(extents), dtype=np.int64)
     total, color = np.zeros(3), np.zeros(3)
     reach_px = math.sqrt(2.0) * np.abs(samples[:, :2]).max()
     corner = 0.25 * (height * height + width * width)
@@ -80,7 +80,8 @@ def trace(picture: Bytes, optics: Optics, samples: Floats, scene: Scene, dark: F
             up, left = 0.5 * (height - 1) - v, 0.5 * (width - 1) - u
             away = math.sqrt(up * up + left * left)
             margin = math.asin(reach_px / away) if away > CENTER_PX else math.pi
-            count = find_candidates(candidates, azimuths, math.atan2(left, up), margin)
+            near, far = _floor_m(away - reach_px, optics, scene), _floor_m(away + reach_px, optics, scene)
+            count = find_candidates(candidates, extents, math.atan2(left, up), margin, near, far)
             total[:] = 0.0
             inside = _add_rays(total, color, up, left, optics, scene, around, candidates[:count])
             lens = (1.0 - optics.vignetting * away * away / corner) / len(samples)
@@ -99,8 +100,8 @@ def label(labels: Labels, ranges: Floats, optics: Optics, scene: Scene) -> None:
     """
     height, width = labels.shape
     around = _around(np.zeros((1, 3)), scene)
-    azimuths = azimuths_of(scene.solids, around.places)
-    candidates = np.empty(len(azimuths), dtype=np.int64)
+    extents = _extents(around, scene)
+    candidates = np.empty(len(extents), dtype=np.int64)
     for v in range(height):
         for u in range(width):
             x, y = (0.5 * (height - 1) - v) / optics.scale, (0.5 * (width - 1) - u) / optics.scale
@@ -108,8 +109,10 @@ def label(labels: Labels, ranges: Floats, optics: Optics, scene: Scene) -> None:
                 labels[v, u], ranges[v, u] = OUTSIDE, math.inf
                 continue
             _, _, _, dx, dy, dz = _reflect(x, y, optics.f_px, optics.a_m, optics.b_m)
-            margin = ROUNDING_RAD if x * x + y * y > 0.0 else math.pi
-            count = find_candidates(candidates, azimuths, math.atan2(y, x), margin)
+            margin = ROUNDING if x * x + y * y > 0.0 else math.pi
+            floor = _floor_m(optics.scale * math.hypot(x, y), optics, scene)
+            near, far = (1.0 - ROUNDING) * floor, (1.0 + ROUNDING) * floor
+            count = find_candidates(candidates, extents, math.atan2(y, x), margin, near, far)
             labels[v, u], ranges[v, u], _, _, _, _ = _first_hit(around, candidates[:count], 0, dx, dy, dz)
 
 
@@ -119,6 +122,20 @@ def _around(samples: Floats, scene: Scene) -> Around:
     viewpoints, shapes = viewpoints_of(scene.viewer, times), shapes_of(scene.solids)
     places = places_of(scene.solids, scene.viewer, times)
     return Around(samples, places, shapes, viewpoints, scene.ball, scene.ground.room, scene.height_m)
+
+
+@kernel
+def _extents(around: Around, scene: Scene) -> Floats:
+    times = around.samples[:, 2].copy()
+    return extents_of(scene.solids, around.places, around.viewpoints, times, scene.ball, scene.height_m)
+
+
+@kernel
+def _floor_m(radius_px: float, optics: Optics, scene: Scene) -> float:
+    """How far from the viewer rays at a radius of the picture [px] meet the floor; inf: they do not."""
+    radius = min(max(radius_px / optics.scale, 0.0), optics.rim_px)
+    _, _, _, dx, _, dz = _reflect(radius, 0.0, optics.f_px, optics.a_m, optics.b_m)
+    return scene.height_m * dx / -dz if dz < 0.0 else math.inf
 
 
 @kernel
@@ -160,24 +177,25 @@ def _first_hit(
 ) -> tuple[int, float, int, float, float, Point]:  # fmt: skip
     """What a ray meets first: label, distance, of a solid the face and the side's normal in its space, and the point.
 
-    candidates: the solids that it may meet; k: number of the ray in its pixel; dx, dy, dz: its direction, a unit vector
-    in robot space.
+    candidates: rows of the extents that it may meet; k: number of the ray in its pixel; dx, dy, dz: its direction, a
+    unit vector in robot space.
     """
-    # solids, each in its own space
     shapes, places = around.shapes, around.places
     nearest, met, face, nx, ny = math.inf, ROOM, MISSED, 0.0, 0.0
+    viewpoints, ball, time = around.viewpoints, around.ball, around.samples[k, 2]
+    eye, c, s = (viewpoints[k, 0], viewpoints[k, 1], around.height_m), viewpoints[k, 2], viewpoints[k, 3]
+    ray = c * dx - s * dy, s * dx + c * dy, dz
     for i in candidates:
+        if i == len(shapes):
+            t = hit_sphere((ball[0] + time * ball[2], ball[1] + time * ball[3], ball[4]), ball[4], eye, ray)
+            if t < nearest:
+                nearest, met = t, BALL
+            continue
+        # a solid, in its own space
         ox, oy, c, s = places[k, i, 0], places[k, i, 1], places[k, i, 2], places[k, i, 3]
         t, side, mx, my = hit_prism(shapes, i, around.height_m, ox, oy, c * dx - s * dy, s * dx + c * dy, dz)
         if t < nearest - TIE_M:
             nearest, met, face, nx, ny = t, i, side, mx, my
-    # ball, floor and room in field space
-    viewpoints, ball, time = around.viewpoints, around.ball, around.samples[k, 2]
-    eye, c, s = (viewpoints[k, 0], viewpoints[k, 1], around.height_m), viewpoints[k, 2], viewpoints[k, 3]
-    ray = c * dx - s * dy, s * dx + c * dy, dz
-    t = hit_sphere((ball[0] + time * ball[2], ball[1] + time * ball[3], ball[4]), ball[4], eye, ray)
-    if t < nearest:
-        nearest, met = t, BALL
     if dz < 0.0 and around.height_m / -dz < nearest:
         nearest, met = around.height_m / -dz, FLOOR
     for axis in range(2):
