@@ -5,7 +5,7 @@ mirror's center (``polar``). Every sample gets a label by the nearest reference 
 ray, floor, ball and lines are passed; a line is white and narrow, with floor behind it. The first longer run of
 anything else is the nearest edge (``edges``): its beginning is placed between samples, its colors tell the type. An
 on-board camera sees a robot's team, not its number. The ball is the largest region of its color in front of the edges
-(``ball``).
+(``ball``); a smaller one is found by its share of the light of pixels (``small_ball``).
 
 Radii are those of equation 1, and the result has the form of a ``see``: the same program can use either eye.
 
@@ -13,8 +13,10 @@ Radii are those of equation 1, and the result has the form of a ``see``: the sam
 
     recognized = recognize(picture, paper_geometry(mirror), DRAWN)
 
-Where the mirror is in other pictures: ``Placement``, which finds it by its ``rim``. Files, outside in: ``recognize``,
-``edges``, ``ball``, ``placement``, ``rim``, ``polar``, ``geometry``, ``palette``, ``palette_file``, ``runs``.
+Where the mirror is in other pictures: ``Placement``, which finds it by its ``rim``.
+
+Files, outside in: ``recognize``, ``edges``, ``ball``, ``small_ball``, ``placement``, ``rim``, ``polar``, ``geometry``,
+``palette``, ``palette_file``, ``runs``.
 """
 
 from vision_core.client.recognition.geometry import PictureGeometry, paper_geometry

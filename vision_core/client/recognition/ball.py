@@ -27,13 +27,18 @@ def ball_pixels(labels: Bytes) -> Mask:
     labels: Surface of every pixel, shape (height, width).
     """
     core = labels == Surface.BALL
-    near = core
-    for _ in range(RIM_PX):
-        near = np.pad(near, 1)
-        near = near[:-2] | near[1:-1] | near[2:]
-        near = near[:, :-2] | near[:, 1:-1] | near[:, 2:]
+    near = grown(core, RIM_PX)
     blurred = np.isin(labels, (Surface.YELLOW, Surface.GOAL_YELLOW, Surface.OTHER))
     return np.asarray(core | (near & blurred))
+
+
+def grown(mask: Mask, reach_px: int) -> Mask:
+    """The mask with all pixels that are so near to it along rows and columns, shape (height, width)."""
+    for _ in range(reach_px):
+        mask = np.pad(mask, 1)
+        mask = mask[:-2] | mask[1:-1] | mask[2:]
+        mask = mask[:, :-2] | mask[:, 1:-1] | mask[:, 2:]
+    return mask
 
 
 def find_ball(core: Mask, whole: Mask, edges_px: Floats, geometry: PictureGeometry, *, beyond: bool) -> Ball:
@@ -43,7 +48,7 @@ def find_ball(core: Mask, whole: Mask, edges_px: Floats, geometry: PictureGeomet
     but may be partly that of something yellow behind it; edges_px: radius of the nearest edge of evenly spaced
     directions [px of equation 1, inf: nothing]; beyond: whether the ball may lie behind the edges.
     """
-    radii, directions = _polar(geometry)
+    radii, directions = polar_of(geometry)
     n = len(edges_px)
     place = np.flatnonzero(whole.reshape(-1))
     radius, direction = radii[place], directions[place]
@@ -66,10 +71,10 @@ def find_ball(core: Mask, whole: Mask, edges_px: Floats, geometry: PictureGeomet
     # a disc's half width is twice its standard deviation; a pixel's own width is taken out
     spread = np.mean(np.square((across - side) * away / px - (along - away) * side / px))
     half = 2.0 * math.sqrt(max(float(spread) - 1.0 / (12.0 * geometry.scale**2), 0.0))
-    return _as_told(px, middle[0] + math.degrees(math.atan2(side, away)), half, geometry)
+    return as_told(px, middle[0] + math.degrees(math.atan2(side, away)), half, geometry)
 
 
-def _as_told(px: float, direction_deg: float, half_px: float, geometry: PictureGeometry) -> Ball:
+def as_told(px: float, direction_deg: float, half_px: float, geometry: PictureGeometry) -> Ball:
     """As the protocol says it: the distance on the floor, whole pixels and degrees."""
     floor_mm = geometry.mirror.mm_from_px(px)
     told_px = geometry.mirror.px_from_mm(floor_mm * geometry.ball_shrink) if math.isfinite(floor_mm) else px
@@ -96,7 +101,7 @@ def _fullest_direction(directions_deg: Floats) -> tuple[float, float] | None:
 
 
 @lru_cache(maxsize=8)
-def _polar(geometry: PictureGeometry) -> tuple[Floats, Floats]:
+def polar_of(geometry: PictureGeometry) -> tuple[Floats, Floats]:
     """Radius [px of equation 1] and direction [deg] of every pixel, flat."""
     width, height = geometry.size_px
     columns, rows = np.meshgrid(np.arange(width, dtype=np.float64), np.arange(height, dtype=np.float64))

@@ -28,6 +28,8 @@ LETTERS = {
     Surface.OBSTACLE: OBSTACLE,
     Surface.OTHER: OBSTACLE,
 }
+GOAL_OF_ROBOT = {BLUE: GOAL_BLUE, YELLOW: GOAL_YELLOW}
+"""Where robots have dark feet, the color of a team's robots is that of its goal."""
 MIN_RUN_PX = 2.0
 """What is shorter along a ray, in pixels of the picture, and has floor behind it, is noise or a blurred border."""
 BALL_BLUR_PX = 3.5
@@ -123,7 +125,7 @@ def _types(
     shown = np.where(counts.max(axis=0) > 0.0, kinds[counts.argmax(axis=0)], Surface.OTHER)
     letters = np.array([LETTERS.get(surface, NOTHING) for surface in Surface])[shown]
     if palette.dark_feet:
-        for goal, robot in ((GOAL_BLUE, BLUE), (GOAL_YELLOW, YELLOW)):
+        for robot, goal in GOAL_OF_ROBOT.items():
             letters[letters == robot] = goal
         is_robot = (start == Surface.DARK).sum(axis=1) >= FOOT_PX * per_px
         letters = np.where(is_robot, _team(labels, first, ends, per_px), letters)

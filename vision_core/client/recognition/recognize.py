@@ -11,6 +11,7 @@ from vision_core.client.recognition.edges import find_edges
 from vision_core.client.recognition.geometry import PictureGeometry
 from vision_core.client.recognition.palette import RENDERED, Palette, Surface, label_pixels
 from vision_core.client.recognition.polar import rays_of, touching
+from vision_core.client.recognition.small_ball import find_small_ball
 from vision_core.client.view import HALF_PX, View
 from vision_core.errors import SourceError
 from vision_core.geometry import Bytes, Floats, frozen
@@ -76,5 +77,7 @@ def recognize(
         raise SourceError(WHAT, found="floor, and no edge in any direction", accepted=f"at least one edge: {RIGHT}")
     beyond = not palette.dark_feet  # PSLV draws it behind limits of paint, too
     ball = find_ball(pixels == Surface.BALL, is_ball, radii, geometry, beyond=beyond)
+    if ball.hidden and palette.dark_feet:
+        ball = find_small_ball(picture, letters, radii, geometry, palette)
     px = np.where(np.isfinite(radii), np.minimum(np.nan_to_num(radii, posinf=-1.0), MAX_PX), -1.0)
     return Recognized(frozen(letters), frozen(radii), frozen(px.astype(np.int16)), ball)
