@@ -76,10 +76,23 @@ def test_a_venue_from_pictures_to_its_file(
     go_on(page, "Markers")
     page.get_by_role("radio", name=re.compile("ssl-standard")).check()
     assert faults(page) == []
+    page.get_by_label("Robots per team").fill("4")
     go_on(page, "Field")
+    expect(page.get_by_role("button", name="Undo: robots per team: 4")).to_be_visible()
     page.get_by_role("radio", name=re.compile("ssl-2002")).check()
     assert faults(page) == []
     go_on(page, "Camera")
+    page.get_by_role("radio", name=re.compile("beginning with four corners")).check()
+    for name in ("left top", "right top"):  # the magnifier of one corner is over none of the others
+        corner = page.get_by_role("slider", name=f"corner {name}")
+        before = corner.get_attribute("aria-valuetext")
+        box = corner.locator("circle").bounding_box()
+        assert box is not None
+        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.mouse.down()
+        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 40)
+        page.mouse.up()
+        expect(corner).not_to_have_attribute("aria-valuetext", before or "")
     page.get_by_role("radio", name=re.compile("search the painted lines")).check()
     page.get_by_label("Height of the camera [m]").fill("3,75")
     page.get_by_role("button", name="Find the camera").press("Enter")

@@ -94,7 +94,7 @@ def test_a_point_15_px_off_is_reported_at_its_corner(
     assert abs(int(words[3]) - 7.5) <= 1.5
     assert words[4] == SIDES[shift_px]
     x, y = PIXELS[corner]
-    told = re.search(r"is at \((\d+), (\d+)\) px", reason.advice)
+    told = re.search(r"is at \((\d+), (\d+)\) px", reason.text)
     assert told is not None
     assert np.hypot(float(told[1]) - x, float(told[2]) - y) < 4.0
     assert reason.is_calibration

@@ -1,5 +1,7 @@
 """The camera of a new venue: from lines, from corners alone, refused with reasons; presets that are recognized."""
 
+import re
+
 import msgspec
 import numpy as np
 import pytest
@@ -66,13 +68,27 @@ def test_corners_alone_give_named_points_and_say_what_is_not_known() -> None:
     assert any("only the overlay shows" in note for note in trial.notes)
     assert any("height of the camera is not known" in note for note in trial.notes)
     typed = find_camera(draft, [picture.pixels], CameraWish("walls", corners, height_m=3.75), no_progress)
-    assert typed.height_m == pytest.approx(3.75, abs=0.01)
+    assert typed.height_m == 3.75
+    assert typed.camera is not None
+    assert typed.camera.homography is not None
+    assert typed.camera.homography.position_m[2] == 3.75
     assert "The height of 3.75 m was typed." in typed.notes
     other = find_camera(draft, [picture.pixels], CameraWish("walls", corners, swaps_ends=True), no_progress)
     assert other.camera is not None
     assert other.camera.homography is not None
     names = {point.name: point.pixel_px for point in other.camera.homography.points}
     assert names["corner left top"] == pytest.approx(corners[2])
+
+
+def test_a_corner_that_was_dragged_beside_its_place_is_told_where_the_lines_are() -> None:
+    picture = demo_pictures()[0]
+    settings = picture.settings
+    pixels = CameraSetup.from_settings(settings).model.pixel_from_field(corners_m(settings.field))
+    pixels[0] += 15.0, 0.0
+    trial = find_camera(draft_of(640, 480), [picture.pixels], CameraWish("walls", corners_of(pixels)), no_progress)
+    (note,) = (note for note in trial.notes if "corner left top" in note)
+    assert "to the right of where the lines say" in note
+    assert re.search(r"; by the lines 'corner left top' is at \(\d+, \d+\) px\.$", note), "no command: it is this step"
 
 
 def test_corners_that_no_camera_sees_are_refused() -> None:

@@ -52,6 +52,7 @@ def test_colors_are_found_and_the_file_keeps_their_light(bare: Draft) -> None:
     doubtful = msgspec.structs.replace(found, is_accepted=False, reasons=())
     with pytest.raises(SettingsError, match="no robot that is read clearly"):
         with_colors(bare, doubtful)
+    assert with_colors(bare, doubtful, takes_doubtful=True) == draft
 
 
 def test_what_is_picked_is_floor_no_longer(bare: Draft) -> None:

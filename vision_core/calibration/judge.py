@@ -210,8 +210,16 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
         text = f"the {max(tested)[1]} lies {max(tested)[0]:.0f} px beside the place that all other lines give it"
         yield Reason(text, "Check the field's measures.")
     if result.floor_error_m > max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m):
-        yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", "Show more of the lines.")
+        advice = "Show more of the lines."
+        if _is_height_unknown(result):
+            advice = "Measure the camera's height with a tape and give it, or show more of the lines."
+        yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", advice)
     yield from _lens_refusals(scene, lens, preset)
+
+
+def _is_height_unknown(result: Calibration) -> bool:
+    """Do neither the lines nor a tape measure tell how high the camera is?"""
+    return result.height_deviation_m > MAX_HEIGHT_DEVIATION * result.camera.position_m[2]
 
 
 def _lens_refusals(scene: Scene, lens: Lens, preset: str) -> Iterator[Reason]:
@@ -234,7 +242,7 @@ def _lens_refusals(scene: Scene, lens: Lens, preset: str) -> Iterator[Reason]:
 
 def _notes(result: Calibration) -> Iterator[str]:
     height_m = result.camera.position_m[2]
-    if result.height_deviation_m > MAX_HEIGHT_DEVIATION * height_m:
+    if _is_height_unknown(result):
         yield (
             f"lines on the floor do not say how high the camera is ({height_m:.2f} m +- {result.height_deviation_m:.2f}"
             f" m): robots may be up to {result.marker_error_m * 1e3:.0f} mm off; measure it with a tape"

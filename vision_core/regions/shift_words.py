@@ -98,7 +98,7 @@ class _Words:
         if self._setup.settings.model == "pinhole":
             return _calibration(text)
         x, y = (self._shifts.corners_px + self._shifts.shifts_px)[corner].tolist()
-        return _calibration(text, f"By the lines {name} is at ({x:.0f}, {y:.0f}) px. {CALIBRATE}")
+        return _calibration(f"{text}; by the lines {name} is at ({x:.0f}, {y:.0f}) px")
 
     def _common(self) -> Reason | None:
         """A motion that all corners share: moved, turned, another scale; None when they do not share one."""

@@ -95,7 +95,8 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
     corners = np.array(wish.corners_px[2:] + wish.corners_px[:2] if wish.swaps_ends else wish.corners_px)
     places = _corners_m(field)
     start = start_from_points(corners, places, size, height_m=wish.height_m)
-    x_m, y_m, height_m = (round(float(value), 3) for value in start.lens.position_m)
+    x_m, y_m, found_m = (round(float(value), 3) for value in start.lens.position_m)
+    height_m = found_m if wish.height_m is None else wish.height_m
     points = tuple(
         NamedPoint(name=name, pixel_px=(x, y), field_m=(u, v))
         for name, (x, y), (u, v) in zip(NAMES, corners.tolist(), places.tolist(), strict=True)
@@ -112,7 +113,7 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
     reference = _reference(pixels, setup.model, field)
     camera = msgspec.structs.replace(camera, how=how, reference_bgr=reference, floor=floor_colors(pixels))
     if field.line_width_m > 0.0:
-        notes += tuple(map(str, calibration_reasons(pixels, field, setup)))
+        notes += tuple(f"{reason.text}." for reason in calibration_reasons(pixels, field, setup))
     return CameraTrial(camera, {}, (), notes, _drawn(field, setup.model), height_m, calibration=None)
 
 
@@ -137,7 +138,7 @@ def _wall_notes(draft: Draft, field: FieldSettings, model: CameraModel, height_m
     x, y, height = model.position_m.tolist()
     notes = ["Four corners fit exactly, whatever they are: only the overlay shows whether they are right."]
     if height_m is not None:
-        notes.append(f"The height of {height:.2f} m was typed.")
+        notes.append(f"The height of {height_m:.2f} m was typed.")
         return tuple(notes)
     half_x, half_y = accepted_half_extent(field)
     aside = float(np.hypot(abs(x) + half_x, abs(y) + half_y))

@@ -152,9 +152,12 @@ def taken(draft: Draft, trial: CameraTrial) -> Draft:
     return msgspec.structs.replace(draft, camera=trial.camera, field=field, samples=samples)
 
 
-def with_colors(draft: Draft, trial: ColorTrial) -> Draft:
-    """The draft with colors that were found, in place of its samples. Raises SettingsError for doubtful ones."""
-    if not trial.is_accepted:
+def with_colors(draft: Draft, trial: ColorTrial, *, takes_doubtful: bool = False) -> Draft:
+    """The draft with colors that were found, in place of its samples.
+
+    takes_doubtful: somebody has seen what is doubtful and wants them as a beginning; otherwise SettingsError is raised.
+    """
+    if not (trial.is_accepted or takes_doubtful):
         found = "; ".join(map(str, trial.reasons)) or "no robot that is read clearly"
         raise SettingsError("the colors", found=found, accepted="colors with which robots are read, or picked ones")
     return msgspec.structs.replace(draft, samples=trial.samples, sampling=trial.sampling, light=trial.light)

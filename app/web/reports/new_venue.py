@@ -346,7 +346,7 @@ def _field(trial: FieldTrial) -> FieldTrialReport:
         is_accepted=camera.camera is not None,
         painted=trial.painted,
         rms_px=_finite(camera.calibration.rms_px) if camera.calibration else None,
-        reason=str(camera.reasons[0]) if camera.reasons else "",
+        reason=camera.reasons[0].text if camera.reasons else "",
     )
 
 
@@ -437,8 +437,13 @@ def _picture(trial: VenueTrial, index: int) -> PictureTrialReport:
 
 
 def _in_words(seen: PictureTrial) -> str:
-    balls = "one ball" if seen.balls == 1 else f"{seen.balls} balls"
-    return seen.error or f"{len(seen.robots)} robots, {seen.read} ids, {balls}"
+    return seen.error or (
+        f"{_counted(len(seen.robots), 'robot')}, {seen.read} with an id, {_counted(seen.balls, 'ball')}"
+    )
+
+
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _finite(value: float) -> float | None:

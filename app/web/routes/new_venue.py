@@ -47,6 +47,20 @@ from vision_core.venues.loader import layers_of, own_venues_folder, settings_fro
 Height = Annotated[float, Field(ge=0.1, le=100.0)]
 OWN_FIELD = "ssl-2002"
 """The preset below a field whose measures were typed: it gives the mirror."""
+CHOICES = {
+    "name": "name",
+    "about": "sentence about it",
+    "source": "pictures come from",
+    "preset": "field",
+    "field": "measures of the field",
+    "pattern": "markers",
+    "robot_radius_m": "radius of the robots [m]:",
+    "robot_height_m": "height of the markers [m]:",
+    "numbers": "robots per team:",
+    "ball_color": "ball",
+    "ball_radius_m": "radius of the ball [m]:",
+}
+"""What somebody chooses, in words."""
 
 
 class DraftPatch(Report):
@@ -105,6 +119,15 @@ class CameraRequest(Report):
     """Solve the field's measures too, except its length."""
 
 
+class ColorsRequest(Report):
+    """How the colors that were found are taken."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    doubtful: bool = False
+    """Take them although they are not clear enough: as a beginning, to which samples are added."""
+
+
 class SampleRequest(Report):
     """A place in a picture whose color belongs to a class."""
 
@@ -151,7 +174,8 @@ def _draft_routes(router: APIRouter, desk: Desk) -> None:
     @router.patch("")
     def choose(patch: DraftPatch) -> NewVenueReport:
         """Changes choices: all of them, or none when one is not accepted."""
-        desk.change(_patched(desk.draft, patch), f"set {', '.join(sorted(_sent(patch)))}", patch.seen)
+        draft = _patched(desk.draft, patch)
+        desk.change(draft, ", ".join(_changed(desk.draft, draft)) or "the choices", patch.seen)
         return venue_from(desk)
 
     @router.delete("")
@@ -289,9 +313,9 @@ def _step_routes(router: APIRouter, desk: Desk, configuration: Configuration) ->
         return venue_from(desk)
 
     @router.post("/colors/accept")
-    def accept_colors() -> NewVenueReport:
+    def accept_colors(wanted: ColorsRequest) -> NewVenueReport:
         """Takes the colors that were found, in place of all samples."""
-        desk.take_colors()
+        desk.take_colors(takes_doubtful=wanted.doubtful)
         return venue_from(desk)
 
     @router.post("/samples")
@@ -367,6 +391,17 @@ def _sent(patch: DraftPatch) -> dict[str, Any]:
     return {
         key: value for key in patch.model_fields_set if key != "seen" and (value := getattr(patch, key)) is not None
     }
+
+
+def _changed(old: Draft, new: Draft) -> list[str]:
+    """The choices that differ between two drafts, in words, without what came with another one."""
+    differ = {name for name in CHOICES if getattr(old, name) != getattr(new, name)}
+    differ -= {"field"} if "preset" in differ else set()
+    differ -= {"robot_radius_m", "robot_height_m"} if "pattern" in differ else set()
+    short = differ - {"about", "field"}
+    return [
+        f"{words} {getattr(new, name)}" if name in short else words for name, words in CHOICES.items() if name in differ
+    ]
 
 
 def _patched(draft: Draft, patch: DraftPatch) -> Draft:

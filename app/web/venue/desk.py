@@ -122,14 +122,19 @@ class Desk:
         """Begin to search the colors of markers and ball. Raises RequestRefused."""
         self._begin("colors", FindColors(self.draft, self._pictures()))
 
-    def take_colors(self) -> None:
-        """Let the colors that were found be the draft's. Raises RequestRefused for doubtful ones, or other markers."""
+    def take_colors(self, *, takes_doubtful: bool) -> None:
+        """Let the colors that were found be the draft's.
+
+        Raises RequestRefused for those of other markers, and for doubtful ones unless they are wanted all the same.
+        """
         found = self.colors()
         if found is None or not self.is_worn(found[0]):
             words = "none yet" if found is None else "those of other pictures or markers"
             raise RequestRefused(HTTPStatus.CONFLICT, "the colors", found=words, accepted="a search first")
         with refused(HTTPStatus.CONFLICT):
-            self.drafts.change(with_colors(self.draft, found[1]), "colors that were found")
+            self.drafts.change(
+                with_colors(self.draft, found[1], takes_doubtful=takes_doubtful), "colors that were found"
+            )
 
     def try_it(self, in_use: Settings) -> None:
         """Begin to look at the pictures with the draft and with the settings in use. Raises RequestRefused."""

@@ -2497,6 +2497,18 @@ export interface components {
             reason: string;
         };
         /**
+         * ColorsRequest
+         * @description How the colors that were found are taken.
+         */
+        ColorsRequest: {
+            /**
+             * Doubtful
+             * @description Take them although they are not clear enough: as a beginning, to which samples are added.
+             * @default false
+             */
+            doubtful: boolean;
+        };
+        /**
          * Constants
          * @description A, B, C of equation 1 for distances in millimetres.
          */
@@ -7907,7 +7919,11 @@ export interface operations {
             path?: never;
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ColorsRequest"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {

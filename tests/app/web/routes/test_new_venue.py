@@ -80,7 +80,7 @@ def test_a_venue_from_pictures_to_the_settings_in_use(
     for picture, seen in zip(shown, trial["pictures"], strict=True):
         ids = {(robot["team"], robot["id"]) for robot in seen["robots"]}
         assert {(str(team), number) for team, number in picture.ids()} <= ids, seen["reasons"]
-        assert "robots" in seen["before"], "compared with the settings in use"
+        assert "robot" in seen["before"], "compared with the settings in use"
     assert http.get("/new-venue/pictures/1/overlay.png").content.startswith(b"\x89PNG")
 
     text = http.get("/new-venue/file").text
@@ -155,6 +155,9 @@ def test_choices_are_checked_as_a_whole(http: httpx.Client) -> None:
         assert refused.json().get("field") == field
     assert http.patch("/new-venue", json={"name": "lab", "seen": 99}).status_code == 409
     assert http.get("/new-venue").json() == before
+    told = http.patch("/new-venue", json={"numbers": 6, "ball_color": before["ball_color"]}).json()["undo"]
+    assert told == "robots per team: 6", "what stays is not named"
+    assert http.patch("/new-venue", json={"pattern": "vsss-diagonal"}).json()["undo"] == "markers vsss-diagonal"
     measures = http.get("/new-venue/choices").json()["fields"][0]["measures"]
     wrong = http.patch("/new-venue", json={"field": {**measures, "length_m": 0.01}})
     assert (wrong.status_code, wrong.json()["field"]) == (422, "field.length_m")
