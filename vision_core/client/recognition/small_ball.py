@@ -55,10 +55,10 @@ def find_small_ball(
     between = [whole.astype(np.intp) % len(edges_px) for whole in (np.floor(place), np.ceil(place))]
     like_ball_px = np.where(np.isin(letters, _letters_like_ball(palette, weights)), edges_px, np.inf)
     hiding = radius >= np.minimum(*(like_ball_px[sector] for sector in between))
-    farthest_px = np.maximum(*(edges_px[sector] for sector in between))
+    end_px = np.minimum(*(edges_px[sector] for sector in between))
     searched = (radius > geometry.nearest_px) & (radius < geometry.farthest_px) & ~grown(hiding, BLUR_PX)
-    floor = searched & (radius < farthest_px)
-    searched &= radius < farthest_px + BEHIND_PX
+    floor = searched & (radius < end_px)
+    searched &= radius < end_px + BEHIND_PX
     if not floor.any():
         return HIDDEN
     level = float(np.median(share[floor]))
