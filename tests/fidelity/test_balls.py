@@ -23,9 +23,10 @@ def detection(ball_share: float) -> Detection:
     [
         (HIDDEN, NEAR, NEAR, 380.0, 1.0, 0.1, BallCause.CEILING),
         (HIDDEN, NEAR, NEAR, 380.0, 1.0, 1.0, BallCause.DETECTION),
-        (HIDDEN, NEAR, HIDDEN, 380.0, 0.6, 1.0, BallCause.SEEN_OVER),
+        (HIDDEN, NEAR, HIDDEN, 380.0, 0.6, 1.0, BallCause.MODEL),
+        (HIDDEN, NEAR, HIDDEN, 380.0, 0.0, 1.0, BallCause.MODULE),
         (NEAR, HIDDEN, NEAR, 380.0, 0.2, 1.0, BallCause.PARTLY),
-        (FAR, HIDDEN, FAR, 2500.0, 1.0, 1.0, BallCause.SMALL),
+        (FAR, HIDDEN, FAR, 2500.0, 0.3, 1.0, BallCause.SMALL),
         (NEAR, HIDDEN, NEAR, 380.0, 1.0, 1.0, BallCause.MODULE),
         (NEAR, NEAR, NEAR, 380.0, 1.0, 1.0, None),
     ],
@@ -60,3 +61,20 @@ def test_a_balls_area_is_that_of_its_pixels(x_m: float) -> None:
     scene = lab.scene((0.0, 0.0, 0.0), ball=(x_m, 0.1))
     pixels = int((lab.camera.labels(scene)[0] == BALL).sum())
     assert ball_area_px(seen_ball(scene), lab.mirror, lab.camera.scale) == pytest.approx(pixels, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("told", "share", "is_clear", "same"),
+    [
+        (NEAR, 1.0, True, True),
+        (HIDDEN, 0.0, True, True),
+        (NEAR, 0.0, True, False),
+        (HIDDEN, 1.0, True, False),
+        (NEAR, 0.01, False, False),
+        (HIDDEN, 0.01, False, True),
+    ],
+)
+def test_an_ideal_camera_sees_what_shows_a_pixel(told: Ball, share: float, *, is_clear: bool, same: bool) -> None:
+    truth = SeenBall(380.0, 121.0, 6.4, share)
+    found = compare_balls(told, HIDDEN, told, truth, detection(1.0), PAPER_MIRROR, 1.0)
+    assert (found.is_clear, found.same_as_ideal) == (is_clear, same)

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import app
-from bench.fidelity import tally_rows
+from bench.fidelity import CHUNK, batched_seeds, tally_rows
 from vision_core.errors import SettingsError
 from vision_core.fidelity.causes import Cause
 from vision_core.fidelity.experiment import Tally, run
@@ -57,6 +57,21 @@ def test_results_are_numbers_that_json_knows_and_rows_of_a_table(tally: Tally) -
     )
     goals = [row["name"] for row in tally_rows(tally) if "goal" in row]
     assert {"type alike", "distance within 1 px", "unexplained"} <= set(goals)
+
+
+def test_parts_of_an_experiment_are_counted_together(tally: Tally) -> None:
+    whole = Tally(tally.setup)
+    for seed, comparison in zip(SEEDS, tally.comparisons, strict=True):
+        whole.extend(Tally(tally.setup, worlds=2, unserved=[seed + 1], comparisons=[comparison]))
+    assert (whole.worlds, whole.unserved) == (2 * len(SEEDS), [seed + 1 for seed in SEEDS])
+    assert whole.share_within(1.0) == tally.share_within(1.0)
+
+
+@pytest.mark.parametrize("worlds", [1, CHUNK, 2 * CHUNK + 1])
+def test_parts_have_every_world_once(worlds: int) -> None:
+    parts = batched_seeds(7, worlds)
+    assert [seed for part in parts for seed in part] == list(range(7, 7 + worlds))
+    assert max(map(len, parts)) <= CHUNK
 
 
 def test_equal_seeds_are_equal_worlds_without_contact() -> None:

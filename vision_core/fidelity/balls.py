@@ -13,8 +13,8 @@ from vision_core.protocol.messages import Ball
 
 HALF = 0.5
 """A smaller share of the ball is a part of it."""
-SMALL_PX = 6.0
-"""A ball of a smaller area in the picture is too small to be told from blur, by its color [px of the picture]."""
+LEAST_PX = 1.0
+"""An ideal camera of the on-board picture's resolution sees a ball of which at least so much shows [px of it]."""
 
 
 class BallCause(StrEnum):
@@ -22,10 +22,10 @@ class BallCause(StrEnum):
 
     CEILING = "hidden from the ceiling camera"
     DETECTION = "missed by the ceiling camera"
-    SEEN_OVER = "seen over a low robot"
-    PARTLY = "less than half of it is seen"
-    SMALL = "too small in the on-board picture"
-    MODULE = "missed by the on-board module"
+    MODEL = "seen over a low robot or past a flat front"
+    SMALL = "less than a pixel of it shows on board"
+    PARTLY = "less than half of it shows on board"
+    MODULE = "error of the on-board module"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +35,8 @@ class BallComparison:
     same_hidden: bool
     cause: BallCause | None
     """Of a disagreement whether it is hidden."""
-    area_px: float
-    """Its area in the on-board picture, if nothing hid it [px of the picture]."""
+    shown_px: float
+    """The area that shows of it in the on-board picture [px of the picture]."""
     distance_mm: float
     """Where it truly is, from the robot's center."""
     told: bool
@@ -52,6 +52,16 @@ class BallComparison:
     direction_deg: float | None
     size_deg: int | None
 
+    @property
+    def is_clear(self) -> bool:
+        """It is hidden, or as much of it shows as the on-board picture can resolve."""
+        return self.shown_px == 0.0 or self.shown_px >= LEAST_PX
+
+    @property
+    def same_as_ideal(self) -> bool:
+        """The ceiling's side tells it exactly when an ideal camera of the on-board picture's resolution sees it."""
+        return self.told == (self.shown_px >= LEAST_PX)
+
 
 def compare_balls(
     told: Ball, seen: Ball, exact_view: Ball, truth: SeenBall, detection: Detection, mirror: Mirror, scale: float
@@ -61,11 +71,11 @@ def compare_balls(
     exact_view: what would be told if poses were known exactly; scale: pixels of the picture per pixel of equation 1.
     """
     both = not told.hidden and not seen.hidden
-    area = ball_area_px(truth, mirror, scale)
+    shown_px = truth.share * ball_area_px(truth, mirror, scale)
     return BallComparison(
         same_hidden=told.hidden == seen.hidden,
-        cause=None if told.hidden == seen.hidden else _cause(told, exact_view, truth, detection, area),
-        area_px=area,
+        cause=None if told.hidden == seen.hidden else _cause(told, exact_view, truth, detection, shown_px),
+        shown_px=shown_px,
         distance_mm=truth.distance_mm,
         told=not told.hidden,
         seen=not seen.hidden,
@@ -77,14 +87,14 @@ def compare_balls(
     )
 
 
-def _cause(told: Ball, exact_view: Ball, truth: SeenBall, detection: Detection, area_px: float) -> BallCause:
+def _cause(told: Ball, exact_view: Ball, truth: SeenBall, detection: Detection, shown_px: float) -> BallCause:
     if told.hidden and not exact_view.hidden:
         return BallCause.CEILING if detection.ball_share < HALF else BallCause.DETECTION
     if told.hidden:
-        return BallCause.SEEN_OVER
-    if truth.share < HALF:
-        return BallCause.PARTLY
-    return BallCause.SMALL if area_px < SMALL_PX else BallCause.MODULE
+        return BallCause.MODEL if truth.share > 0.0 else BallCause.MODULE
+    if shown_px < LEAST_PX:
+        return BallCause.SMALL
+    return BallCause.PARTLY if truth.share < HALF else BallCause.MODULE
 
 
 def ball_area_px(ball: SeenBall, mirror: Mirror, scale: float) -> float:

@@ -53,6 +53,12 @@ class Tally:
     """Seeds of worlds in which the ceiling camera did not find the viewer: it is told nothing."""
     comparisons: list[Comparison] = field(default_factory=list)
 
+    def extend(self, other: "Tally") -> None:
+        """Count the worlds of another tally of the same setup as well."""
+        self.worlds += other.worlds
+        self.unserved += other.unserved
+        self.comparisons += other.comparisons
+
     @property
     def directions(self) -> int:
         """How many directions were compared."""
@@ -86,14 +92,14 @@ class Tally:
         errors = errors[: max(int(0.98 * len(errors)), 1)]
         return float(np.sqrt(np.square(errors).mean())) if len(errors) else float("nan")
 
-    def hidden_agreement(self, least_px: float = 0.0, *, clear: bool = False) -> tuple[int, int]:
+    def hidden_agreement(self, *, clear: bool = False, ideal: bool = False) -> tuple[int, int]:
         """Worlds in which both sides agree whether the ball is hidden, and all of them.
 
-        least_px: with a ball of at least this area in the on-board picture; clear: hidden or at least half seen.
+        clear: only balls that are hidden, or show as much as the on-board picture can resolve; ideal: the on-board side
+        is an ideal camera of that resolution instead of the on-board module.
         """
-        balls = [each.ball for each in self.comparisons if each.ball.area_px >= least_px]
-        balls = [ball for ball in balls if not (clear and 0.0 < ball.onboard_share < HALF)]
-        return sum(ball.same_hidden for ball in balls), len(balls)
+        balls = [each.ball for each in self.comparisons if each.ball.is_clear or not clear]
+        return sum(ball.same_as_ideal if ideal else ball.same_hidden for ball in balls), len(balls)
 
     def balls_seen(self, low_mm: float, high_mm: float) -> tuple[int, int, int]:
         """Balls in a range of which the on-board picture shows at least half: how many there are, of how many the

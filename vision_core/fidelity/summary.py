@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.fidelity.balls import SMALL_PX, BallCause
+from vision_core.fidelity.balls import BallCause
 from vision_core.fidelity.causes import Cause
 from vision_core.fidelity.experiment import RANGES_MM, Tally
 
@@ -52,8 +52,9 @@ def _ball(tally: Tally) -> dict[str, Any]:
     causes = Counter(ball.cause for ball in balls)
     return {
         "same_hidden": list(tally.hidden_agreement()),
-        f"same_hidden_from_{SMALL_PX:.0f}_px": list(tally.hidden_agreement(SMALL_PX)),
-        f"same_hidden_or_half_seen_from_{SMALL_PX:.0f}_px": list(tally.hidden_agreement(SMALL_PX, clear=True)),
+        "same_as_ideal_camera": list(tally.hidden_agreement(ideal=True)),
+        "clear_same_hidden": list(tally.hidden_agreement(clear=True)),
+        "clear_same_as_ideal_camera": list(tally.hidden_agreement(clear=True, ideal=True)),
         "causes": {str(cause): causes[cause] for cause in BallCause},
         "seen_by_both": len(both),
         "within_1_px": _share([ball.error_px for ball in both]),
