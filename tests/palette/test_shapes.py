@@ -7,14 +7,14 @@ import pytest
 
 from tests.objects.drawing import PAINTS, SETTINGS, Picture, overhead_camera
 from vision_core.models.camera_kernels import camera_map_from
-from vision_core.objects.robots.marker_shape import scene_of
+from vision_core.objects.robots.marker_shape import SIZES, fit_marker, fit_shape, scene_of
 from vision_core.objects.robots.shape_search import find_candidates
 from vision_core.objects.robots.template import disc_template, template_of
 from vision_core.palette.naming import Group, name_paints
 from vision_core.palette.trial import Kind
 from vision_core.patterns.geometry import depth_mm
 from vision_core.patterns.loader import load_pattern
-from vision_core.patterns.pattern import TEAM
+from vision_core.patterns.pattern import TEAM, scaled
 from vision_core.types.colors import chromaticity
 
 EXTENT_M = 0.3, 0.3
@@ -57,6 +57,24 @@ def test_a_marker_is_found_without_a_name_for_its_colors(name: str, code: str) -
     assert score > 0.6
     assert math.hypot(x - middle[0], y - middle[1]) < 0.012
     assert any(abs(math.remainder(pose[3] - 0.7, math.tau)) < 0.15 for pose in found[0].poses)
+
+
+def test_a_fit_begins_with_more_than_one_size() -> None:
+    pattern, x, y, heading = load_pattern("vsss-three-patch"), 0.004, -0.003, 0.75
+    picture = Picture(overhead_camera(0.003, 220, 220), 220, 220)
+    middle = picture.camera.field_from_pixel(np.array([[110.0, 110.0]]))[0]
+    picture.paint_pattern(scaled(pattern, 0.9), "blue", "RG", (float(middle[0]), float(middle[1]), 0.7))
+    pixels, camera = picture.as_bytes(), camera_map_from(picture.camera)
+    scene = scene_of(pixels, np.argwhere(np.ones((20, 20), dtype=np.bool_)).astype(np.int32) * 10)
+    template, height_m = template_of(pattern), pattern.robot.height_m
+    pose = np.array([0.0, middle[0] + x, middle[1] + y, heading, 1.0])
+    alone = [pose.copy(), pose.copy()]
+    for size, one in zip(SIZES, alone, strict=True):
+        one[4] = size
+        fit_shape(scene, camera, template, height_m, 0.25 * template.smallest_m, one)
+    fit_marker(scene, camera, template, height_m, 0.25 * template.smallest_m, pose)
+    assert pose.tolist() == max(alone, key=lambda one: float(one[0])).tolist()
+    assert pose[0] > 0.6
 
 
 def test_names_follow_the_hues_in_another_light() -> None:

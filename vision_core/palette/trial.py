@@ -21,7 +21,7 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
 from vision_core.objects.field_limits import accepted_extents
-from vision_core.objects.robots.marker_shape import Scene, scene_of, score_of
+from vision_core.objects.robots.marker_shape import SIZES, Scene, scene_of, score_of
 from vision_core.objects.robots.shape_search import Candidate, find_candidates
 from vision_core.objects.robots.template import NEUTRAL, Template, disc_template, template_of
 from vision_core.patterns.paints import PAINTS_BGR
@@ -37,8 +37,6 @@ from vision_core.types.tables import TEAMS, SightingsTable, Table
 
 BALL = -1
 """Index of the ball beside the teams."""
-SIZES = (0.9, 1.0)
-"""Of a marker as a share of the drawn one: papers are often cut smaller."""
 READ_GAIN, READ_COST = 2.0, 0.2
 """A robot that is read is worth its confidence times READ_GAIN * evidence - READ_COST."""
 UNREAD_GAIN, UNREAD_COST = 0.15, 0.1

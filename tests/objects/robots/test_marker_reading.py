@@ -15,8 +15,9 @@ from vision_core.native.kernels import read_only
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.buffers import HYPOTHESIS, PATCH_COLUMNS
 from vision_core.objects.robots.finder import find_robots
-from vision_core.objects.robots.marker_reading import read_marker
+from vision_core.objects.robots.marker_reading import measure_patches, read_marker
 from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.paint_residual import UNEVEN, X, Y
 from vision_core.patterns.loader import load_pattern
 from vision_core.types.colors import chromaticity
 from vision_core.types.tables import MAX_ROBOTS, NO_ID, ROBOT, Table
@@ -62,6 +63,29 @@ def test_half_the_light_on_a_dot_changes_nothing(share: float) -> None:
     shaded = np.where(near[..., None], drawn.as_bytes() * share, drawn.as_bytes()).astype(np.uint8)
     (robot,) = found_without(drawn, place, read_only(shaded))
     assert robot["id"] == 5
+
+
+def test_a_reflection_on_a_part_of_a_dot_leaves_its_color() -> None:
+    drawn, place = robot_of(SSL.code_by_id[5], 1.0)
+    at = drawn.camera.pixel_from_field(place, SSL.robot.height_m)[0]
+    y, x = np.mgrid[: drawn.height, : drawn.width]
+    lit = (np.hypot(x - at[0], y - at[1]) < 6.0) & (x < at[0])
+    glaring = np.where(lit[..., None], 0.3 * drawn.as_bytes() + 170.0, drawn.as_bytes()).astype(np.uint8)
+    plain, mixed = (measured(drawn, read_only(pixels)) for pixels in (drawn.as_bytes(), glaring))
+    assert mixed[:, UNEVEN].max() > 2.0 * plain[:, UNEVEN].max()
+    np.testing.assert_allclose(mixed[:, [X, Y]], plain[:, [X, Y]], atol=0.1)
+
+
+def measured(drawn: Picture, pixels: Bytes) -> np.ndarray:
+    """The patches of the robot that ``robot_of`` draws, in some pixels."""
+    marker = FINDER.markers[0]
+    robots, patches = np.zeros(1, dtype=ROBOT), np.zeros((1 + len(marker.slots_m), PATCH_COLUMNS))
+    robots["x_m"], robots["y_m"] = middle(drawn, SSL.robot.height_m)
+    robots["heading_rad"] = 1.0
+    blobs = drawn.blobs(table=PAINT_TABLE)
+    seen = Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera_map_from(drawn.camera))
+    measure_patches(seen, marker, robots[0], patches)
+    return patches
 
 
 @pytest.mark.parametrize("cover", ["body", "yellow", "blue", "pale"])

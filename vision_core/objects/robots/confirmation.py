@@ -29,7 +29,7 @@ from vision_core.objects.robots.confirmation_buffers import (
 from vision_core.objects.robots.finder import RobotFinder, order_robots
 from vision_core.objects.robots.held import NO_ROW, HeldRobots, is_read, row_of
 from vision_core.objects.robots.marker_reading import energy_of, is_doubtful, learn_references, measure_patches
-from vision_core.objects.robots.marker_shape import LAST_STEP, Scene, fit_shape
+from vision_core.objects.robots.marker_shape import LAST_STEP, Scene, fit_marker
 from vision_core.objects.robots.markers import Marker
 from vision_core.objects.robots.paint_residual import VEILS, X, Y
 from vision_core.types.colors import DARK_LEVEL
@@ -146,8 +146,8 @@ def _try_pose(
     markers, template, reading = finder.markers, shapes.templates[look], shapes.reading
     scene, height_m = Scene(seen.pixels, shapes.roots, shapes.plain), markers[look].height_m
     pose, robot = reading.pose, reading.tried[0]
-    pose[1], pose[2], pose[3], pose[4] = x_m, y_m, heading_rad, 1.0
-    fit_shape(scene, seen.camera, template, height_m, FIRST_STEP * template.smallest_m, pose)
+    pose[1], pose[2], pose[3] = x_m, y_m, heading_rad
+    fit_marker(scene, seen.camera, template, height_m, FIRST_STEP * template.smallest_m, pose)
     robot.x_m, robot.y_m, robot.heading_rad, robot.confidence = pose[1], pose[2], pose[3], pose[0]
     if pose[0] < HELD_SCORE or math.hypot(pose[1] - x_m, pose[2] - y_m) > 0.5 * template.size_m:
         return

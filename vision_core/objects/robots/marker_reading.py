@@ -66,19 +66,28 @@ MAX_MISFIT = 12.0
 def measure_patches(seen: Observation, marker: Marker, robot: Row, patches: Floats) -> None:
     """Measure every patch of a robot at its place; patches: shape (>= 1 + s, PATCH_COLUMNS), see ``X``.
 
-    Within one robot the camera is taken to be linear.
+    Within one robot the camera is taken to be linear. A lamp's reflection adds light to a part of a patch, so the color
+    is that of its points which are no lighter than their mean.
     """
     height, width, _ = seen.pixels.shape
     x0, y0, ax, ay, bx, by = pixel_frame(seen, marker, robot.x_m, robot.y_m, robot.heading_rad)
     points = marker.patch_points_m
     for patch in range(len(points)):
-        sums = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        for k in range(points.shape[1]):
-            along, across = points[patch, k, 0], points[patch, k, 1]
-            u, v = x0 + along * ax + across * bx, y0 + along * ay + across * by
-            column, row = min(max(int(u + 0.5), 0), width - 1), min(max(int(v + 0.5), 0), height - 1)
-            sums = _added(sums, seen.pixels, row, column)
-        _summarize(sums, float(points.shape[1]), patches[patch])
+        mean, count = 0.0, 0.0
+        whole, darker = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for turn in range(2):
+            for k in range(points.shape[1]):
+                along, across = points[patch, k, 0], points[patch, k, 1]
+                u, v = x0 + along * ax + across * bx, y0 + along * ay + across * by
+                column, row = min(max(int(u + 0.5), 0), width - 1), min(max(int(v + 0.5), 0), height - 1)
+                light = float(seen.pixels[row, column, 0]) + seen.pixels[row, column, 1] + seen.pixels[row, column, 2]
+                if turn == 0:
+                    mean += light / points.shape[1]
+                    whole = _added(whole, seen.pixels, row, column)
+                elif light <= mean + 0.5:
+                    darker = _added(darker, seen.pixels, row, column)
+                    count += 1.0
+        _summarize(whole, float(points.shape[1]), darker, count, patches[patch])
 
 
 @kernel
@@ -106,13 +115,19 @@ def _added(
 
 
 @kernel
-def _summarize(sums: tuple[float, float, float, float, float, float], count: float, patch: Floats) -> None:
-    """Write the columns of one patch."""
-    b, g, r = sums[0] / count, sums[1] / count, sums[2] / count
+def _summarize(
+    whole: tuple[float, float, float, float, float, float], all_points: float,
+    darker: tuple[float, float, float, float, float, float], count: float, patch: Floats,
+) -> None:  # fmt: skip
+    """Write the columns of one patch, from the sums over all of its points and over the darker ones."""
+    b, g, r = darker[0] / count, darker[1] / count, darker[2] / count
     green = math.log(g + DARK_LEVEL)
     patch[X], patch[Y] = math.log(b + DARK_LEVEL) - green, math.log(r + DARK_LEVEL) - green
     patch[SATURATED] = (b >= SATURATED_LEVEL) + 2.0 * (g >= SATURATED_LEVEL) + 4.0 * (r >= SATURATED_LEVEL)
-    variance = max(sums[3] / count - b * b, sums[4] / count - g * g, sums[5] / count - r * r, 0.0)
+    b, g, r = whole[0] / all_points, whole[1] / all_points, whole[2] / all_points
+    variance = max(
+        whole[3] / all_points - b * b, whole[4] / all_points - g * g, whole[5] / all_points - r * r, 0.0
+    )  # fmt: skip
     patch[UNEVEN] = math.sqrt(variance)
 
 

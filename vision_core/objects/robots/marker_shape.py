@@ -18,6 +18,8 @@ from vision_core.objects.robots.template import POINTS, Template
 
 MAX_STRETCH = 0.12
 """How much larger or smaller than drawn a marker may be."""
+SIZES = (0.9, 1.0)
+"""As a share of the drawn one, with which a fit begins: papers are often cut smaller."""
 HALVINGS = 4
 """Of the step while a pose is moved to where it fits best."""
 LAST_STEP = 0.5 ** (HALVINGS - 1)
@@ -47,6 +49,21 @@ def scene_of(pixels: Bytes, floor: PixelPlaces) -> Scene:
     blue, green, red = ROOTS[pixels[floor[:, 1], floor[:, 0]]].T
     plain = np.array([np.median(blue - green), np.median(red - green), np.median(blue + green + red)])
     return Scene(read_only(pixels), ROOTS, frozen(plain))
+
+
+@kernel
+def fit_marker(
+    scene: Scene, camera: CameraMap, template: Template, height_m: float, step_m: float, pose: Floats
+) -> None:  # fmt: skip
+    """Move a pose to the best one near it, as ``fit_shape`` does from each of SIZES: one of them may be stuck."""
+    best, x, y, heading, size = -1.0, pose[1], pose[2], pose[3], pose[4]
+    start_x, start_y, start_heading = x, y, heading
+    for number in range(len(SIZES)):
+        pose[1], pose[2], pose[3], pose[4] = start_x, start_y, start_heading, SIZES[number]
+        fit_shape(scene, camera, template, height_m, step_m, pose)
+        if pose[0] > best:
+            best, x, y, heading, size = pose[0], pose[1], pose[2], pose[3], pose[4]
+    pose[0], pose[1], pose[2], pose[3], pose[4] = best, x, y, heading, size
 
 
 @kernel
@@ -112,7 +129,8 @@ def score_of(
     least = 1.0
     for turn in range(counted):
         region = (template.patches + turn) % counted
-        b = g = r = bb = hues = 0.0
+        is_tinted = turn == 0 or template.tinted[region]
+        b = g = r = lights = hues = 0.0
         for k in range(POINTS):
             along, across = size * points[region, k, 0], size * points[region, k, 1]
             column, row = (
@@ -130,10 +148,13 @@ def score_of(
             g += green
             r += red
             light = blue + green + red
-            bb += _squared(blue - green, red - green, light)
+            lights += light * light
             hues += (blue - green) ** 2 + (red - green) ** 2
         b, g, r = b / POINTS, g / POINTS, r / POINTS
-        own = max(bb / POINTS - _squared(b - g, r - g, b + g + r), 0.0)
+        # variances; a pale region may have any colors
+        uneven_light = max(lights / POINTS - (b + g + r) ** 2, 0.0)
+        uneven = max(hues / POINTS - (b - g) ** 2 - (r - g) ** 2, 0.0) if is_tinted else uneven_light / 3.0
+        own = LIGHT_WEIGHT * uneven_light + (uneven if is_tinted else 0.0)
         if turn == 0:
             ref_one, ref_two, ref_sum = scene.plain[0], scene.plain[1], scene.plain[2]
             if template.has_between:
@@ -141,9 +162,8 @@ def score_of(
         else:
             one, two = b - g, r - g
             contrast = (one - ref_one) ** 2 + (two - ref_two) ** 2
-            if not template.tinted[region]:
+            if not is_tinted:
                 contrast += (b + g + r - ref_sum) ** 2 / 3.0
-            uneven = max(hues / POINTS - one * one - two * two, 0.0)
             least = min(least, contrast / (contrast + 2.0 * uneven + 2.0 * NOISE))
         if turn > 0 or template.has_between:
             within += own

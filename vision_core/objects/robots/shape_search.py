@@ -12,7 +12,7 @@ import numpy as np
 from vision_core.geometry import Bytes, Floats, frozen
 from vision_core.models.camera_kernels import CameraMap, pixel_from_field
 from vision_core.native.kernels import kernel
-from vision_core.objects.robots.marker_shape import Scene, fit_shape, score_of
+from vision_core.objects.robots.marker_shape import SIZES, Scene, fit_marker, fit_shape, score_of
 from vision_core.objects.robots.template import POINTS, Template
 
 HEADINGS = 36
@@ -33,7 +33,6 @@ OTHER_TURN_RAD = math.radians(35.0)
 """A heading at least so far from the best one is another one."""
 OTHER_SHARE = 0.8
 """Another heading is kept when it scores this share of the best one."""
-SIZES = (0.9, 1.0)
 MAX_POSES = 4
 """Of one marker."""
 
@@ -69,8 +68,7 @@ def find_candidates(
     plain = max(PLAIN * float(np.median(known)), LEAST_VARIANCE)
     scores = np.zeros((len(y), len(x)))
     headings = np.zeros((len(y), len(x)))
-    sizes = np.ones((len(y), len(x)))
-    _try_places(scene, camera, template, x, y, height_m, variances, plain, scores, headings, sizes)
+    _try_places(scene, camera, template, x, y, height_m, variances, plain, scores, headings)
     found: list[Candidate] = []
     places: list[tuple[float, float]] = []
     for index in np.argsort(-scores, axis=None)[: 40 * MAX_FOUND]:
@@ -79,8 +77,8 @@ def find_candidates(
             break
         if any(math.dist(place, (x[column], y[row])) < APART * template.size_m for place in places):
             continue
-        pose = np.array([0.0, x[column], y[row], headings[row, column], sizes[row, column]])
-        fit_shape(scene, camera, template, height_m, step, pose)
+        pose = np.array([0.0, x[column], y[row], headings[row, column], 1.0])
+        fit_marker(scene, camera, template, height_m, step, pose)
         if pose[0] < LAST_SCORE or any(math.dist(place, pose[1:3]) < APART * template.size_m for place in places):
             places.append((float(x[column]), float(y[row])))
             continue
@@ -149,7 +147,7 @@ def _measure_variance(
 @kernel
 def _try_places(
     scene: Scene, camera: CameraMap, template: Template, x_m: Floats, y_m: Floats, height_m: float,
-    variances: Floats, plain: float, scores: Floats, headings: Floats, sizes: Floats,
+    variances: Floats, plain: float, scores: Floats, headings: Floats,
 ) -> None:  # fmt: skip
     """The best heading and its score at every place that is not plain."""
     for row in range(len(y_m)):
@@ -161,7 +159,7 @@ def _try_places(
                 for size in SIZES:
                     score = score_of(scene, camera, template, height_m, x_m[column], y_m[row], heading, size)
                     if score > scores[row, column]:
-                        scores[row, column], headings[row, column], sizes[row, column] = score, heading, size
+                        scores[row, column], headings[row, column] = score, heading
 
 
 @kernel
