@@ -17,6 +17,7 @@ from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.pattern import CODE, TEAM, Pattern
 from vision_core.settings.schema import FieldSettings, Settings
 from vision_core.types.colors import ColorTable
+from vision_core.types.objects import Team
 from vision_core.types.tables import Table
 from vision_core.venues.loader import load_settings
 
@@ -147,7 +148,7 @@ class Picture:
         paint_of = {name[0].upper(): name for name in pattern.code.colors}
         for patch in pattern.patches:
             letter = next(letters) if patch.color == CODE else ""
-            paint = team if patch.color == TEAM else paint_of.get(letter, patch.color)
+            paint = pattern.team_color(Team(team)) if patch.color == TEAM else paint_of.get(letter, patch.color)
             if patch.shapes and letter != "-":
                 letter = next(letters)
             if letter == "-":

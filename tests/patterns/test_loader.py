@@ -48,6 +48,11 @@ def test_colors_worn_follow_the_patches() -> None:
         pattern.colors_worn(Team.BLUE, 16)
 
 
+def test_a_team_may_wear_another_color() -> None:
+    pattern = load_pattern("mirosot-tile-pink")
+    assert [pattern.colors_worn(team, 1) for team in Team] == [("blue", "pale"), ("pink", "pale")]
+
+
 def test_own_pattern(tmp_path: Path) -> None:
     load(tmp_path, GOOD)
 

@@ -90,12 +90,12 @@ class Judged:
 
 
 def paints_of(settings: Settings) -> tuple[str, ...]:
-    """The color classes that the robots and the ball of some settings need, the teams' first, the ball's last.
+    """The color classes that the robots and the ball of some settings need, the ball's last.
 
     Raises SettingsError for a pattern that cannot be read.
     """
     worn = colors_of(patterns_by_team(settings.robots))
-    return tuple(dict.fromkeys((*map(str, TEAMS), *worn, settings.ball.color)))
+    return tuple(dict.fromkeys((*worn, settings.ball.color)))
 
 
 class Trial:

@@ -63,6 +63,13 @@ class Pattern(Record, frozen=True):
     robot: RobotShape
     patches: Annotated[tuple[Patch, ...], Meta(min_length=1, max_length=9)]
     code: Code
+    team_colors: Annotated[
+        dict[Team, ColorName], Meta(description="color class of the team's patch, where it is not the team's name")
+    ] = msgspec.field(default_factory=dict)
+
+    def team_color(self, team: Team) -> str:
+        """The color class of a team's patch."""
+        return self.team_colors.get(team, str(team))
 
     @property
     def code_by_id(self) -> dict[int, str]:
@@ -89,7 +96,7 @@ class Pattern(Record, frozen=True):
         """The color class of every patch of a team's robot. Raises KeyError for an id that the pattern lacks."""
         by_initial = {color[0].upper(): color for color in self.code.colors}
         return tuple(
-            by_initial[color] if color else str(team) if patch.color == TEAM else patch.color
+            by_initial[color] if color else self.team_color(team) if patch.color == TEAM else patch.color
             for patch, color, _ in self.letters(marker_id)
         )
 

@@ -308,7 +308,7 @@ class Perception:
         table = self._colors.table
         robots = robot_finder(settings, table)
         colors = {color for pattern in patterns.values() for color in _colors_of(pattern)}
-        self._searched_names = {*TEAMS, *colors, settings.ball.color}
+        self._searched_names = {*colors, settings.ball.color}
         self._colors.hold(self.table, keep_classes(self.table, self._searched_names))
         radius = settings.ball.radius_m
         rows_apart = min_height_px(self._smallest_px(patterns.values()), settings.blobs.row_step)
@@ -338,5 +338,6 @@ class Perception:
 
 
 def _colors_of(pattern: Pattern) -> set[str]:
-    """Color classes of a pattern's patches, apart from the team's."""
-    return {*pattern.code.colors, *(patch.color for patch in pattern.patches)} - {TEAM, CODE}
+    """Color classes that a pattern's patches may have."""
+    plain = {patch.color for patch in pattern.patches} - {TEAM, CODE}
+    return {*map(pattern.team_color, TEAMS), *plain, *pattern.code.colors}

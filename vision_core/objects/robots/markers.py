@@ -144,7 +144,7 @@ def marker_of(
     shape = shape_from(inner_points_mm(pattern.patches[anchor]) / 1000.0)
     color_roles = np.zeros(len(table.names), dtype=np.uint8)
     color_roles[(digits != NO_DIGIT).any(axis=0)] |= SLOT_ROLE
-    color_roles[table.index(team)] |= ANCHOR_ROLE
+    color_roles[table.index(pattern.team_color(team))] |= ANCHOR_ROLE
     body_points, body_patches = body_points_of(pattern, [anchor, *others])
     codes = [_code_number(pattern, number) for number in pattern.code_by_id]
     min_slots, min_slots_with_shape = _min_slots(slots - centers[anchor], digits, tolerance_m, shape)
@@ -163,7 +163,7 @@ def marker_of(
         height_m=robots.height_m,
         radius_m=robots.radius_m,
         color_roles=frozen(color_roles),
-        anchor_class=table.index(team),
+        anchor_class=table.index(pattern.team_color(team)),
         anchor_m=frozen(centers[anchor].copy()),
         anchor_area_m2=float(areas[anchor]),
         shape=shape,
@@ -211,7 +211,7 @@ def _check_colors(pattern: Pattern, team: Team, table: ColorTable) -> None:
     needed = {patch.color for patch in pattern.patches} - {TEAM, CODE}
     if pattern.digits:
         needed |= set(pattern.code.colors)
-    if unknown := sorted((needed | {team}) - set(table.names)):
+    if unknown := sorted((needed | {pattern.team_color(team)}) - set(table.names)):
         raise SettingsError(
             f"pattern {pattern.name}: colors",
             found=", ".join(unknown),

@@ -157,20 +157,20 @@ def _without_heading(scene: Scene, marker: Marker, seen: SeenRobots, settings: S
 
 def _why_no_robot(scene: Scene, finder: RobotFinder, marker: Marker) -> Reason:
     """Why nothing of a team is seen at all: no blob of its color, or none of the right size."""
-    name, gates = TEAMS[marker.team], finder.gates
+    name, color, gates = TEAMS[marker.team], scene.table.names[marker.anchor_class], finder.gates
     blobs = np.flatnonzero(scene.blobs["color"] == marker.anchor_class)
     if not len(blobs):
-        none = f"no {name} robot: no blob of color class {name}"
-        return Reason(none, f"Put a {name} robot on the field, or widen color class {name}.")
+        none = f"no {name} robot: no blob of color class {color}"
+        return Reason(none, f"Put a {name} robot on the field, or widen color class {color}.")
     ratios = anchor_area_ratios(scene, finder, marker, blobs)
     if not (on_field := ratios > 0.0).any():
-        off = f"no {name} robot: all {counted(len(blobs), 'blob')} of color class {name} lie off the field"
+        off = f"no {name} robot: all {counted(len(blobs), 'blob')} of color class {color} lie off the field"
         where = f"the first at {pixel_of(scene, int(blobs[0]))}"
         return Reason(f"{off}, {where}", "Put a robot on the field, or check the calibration and the field's measures.")
     blobs, ratios = blobs[on_field], ratios[on_field]
     nearest = int(np.argmin(np.abs(np.log(ratios))))
     return Reason(
-        f"no {name} robot: {counted(len(blobs), 'blob')} of color class {name}, but none of the right "
+        f"no {name} robot: {counted(len(blobs), 'blob')} of color class {color}, but none of the right "
         f"size; the nearest, at {pixel_of(scene, int(blobs[nearest]))}, has {ratios[nearest]:.2g} times the expected "
         f"area (accepted: {gates.min_area:g} to {gates.max_area:g})",
         "Check robots.height_m, the camera's height and the pattern.",
