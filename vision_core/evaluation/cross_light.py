@@ -1,8 +1,9 @@
 """Set up on one picture, tried on all others: what ``pslv evaluate --cross-light`` prints.
 
 For every picture of a truth file the colors are found in it alone, as ``pslv colors find`` does. With them every other
-picture is read: without any adaptation; with the light measured and taken out; with the palette learned on from what is
-read; and, beside, from no palette at all. No color of the venue's file is used.
+picture is read: without any adaptation; with the light measured and taken out; with the palette changed as the running
+service changes it, when fewer robots are read than in the picture of the set-up: learned on from what is read, or found
+anew; and, beside, from no palette at all. No color of the venue's file is used.
 """
 
 from collections.abc import Iterator, Sequence
@@ -73,11 +74,14 @@ def _ways(set_up: _Way, pixels: Bytes, alone: _Way) -> tuple[_Way, ...]:
     trial = set_up.trial
     as_it_is, lit = trial.prepared(pixels, set_up.light), trial.prepared(pixels)
     light = judged_again(trial, [lit], set_up.palette)
-    learned = refined(trial, [lit], light)
-    followed = _Way(trial, lit, trial.light, max(light, learned, key=lambda found: found.score))
-    if alone.palette.score > followed.palette.score:
+    with_light = followed = _Way(trial, lit, trial.light, light)
+    if followed.palette.read < set_up.palette.read:
+        learned = refined(trial, [lit], light)
+        if learned.is_better_than(followed.palette):
+            followed = followed._replace(palette=learned)
+    if followed.palette.read < set_up.palette.read and alone.palette.is_better_than(followed.palette):
         followed = alone
-    return set_up._replace(picture=as_it_is), _Way(trial, lit, trial.light, light), followed, alone
+    return set_up._replace(picture=as_it_is), with_light, followed, alone
 
 
 def _score(mode: str, way: _Way, truth: PictureTruth, tolerance_px: float) -> LightScore:

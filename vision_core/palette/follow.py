@@ -23,8 +23,6 @@ from vision_core.palette.trial import Picture, Trial
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable, Light
 
-BETTER = 0.4
-"""A palette must read more robots than the one in force, and score so much more: a fifth of one that is read."""
 FORGET = 0.01
 """How many robots fewer are usual after every look: they leave the field."""
 PATIENCE = 2
@@ -156,4 +154,4 @@ class Follower:
         """Does a palette explain the picture clearly better, with no paint that was seen too far from the set-up?"""
         moved = np.abs(one.table.references.means - self._start.table.references.means)[1:]
         is_near = bool((moved[one.counts > 0] <= self._max_shift).all())
-        return is_near and one.read > other.read and one.score > other.score + BETTER
+        return is_near and one.is_better_than(other)

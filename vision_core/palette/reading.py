@@ -12,6 +12,9 @@ from vision_core.palette.trial import Judged, Picture, Trial
 from vision_core.settings.schema import SamplingSettings
 from vision_core.types.colors import CELL_COUNT, ColorTable, cell_index
 
+BETTER = 0.4
+"""A palette must read more robots than the one in force, and score so much more: a fifth of one that is read."""
+
 
 @dataclass(frozen=True, slots=True)
 class Palette:
@@ -33,6 +36,10 @@ class Palette:
     def read(self) -> int:
         """How many robots are read in the pictures."""
         return sum(int((one.evidence > 0.0).sum()) for one in self.judged)
+
+    def is_better_than(self, other: "Palette") -> bool:
+        """Does it read more robots, and explain the pictures clearly better?"""
+        return self.read > other.read and self.score > other.score + BETTER
 
     @property
     def learned(self) -> bool:
