@@ -1,5 +1,7 @@
 """Colors found in pictures: on rendered fields with papers that nobody has named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -63,13 +65,20 @@ def test_a_picture_without_robots_is_refused_with_a_reason() -> None:
     assert "no robot's marker is read clearly" in str(found.reasons[0])
 
 
-def test_colors_that_were_only_guessed_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_guessed_colors_are_refused_and_what_is_not_read_has_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = load_settings("demo-vsss")
     ((pixels, _),) = rendered(settings, PAINTS_BGR, monkeypatch, 1)
     trial = Trial(settings, light_from(pixels, settings))
     picture = trial.prepared(pixels)
-    guess = Measured({name: bgr[None] for name, bgr in zip(trial.paints, trial.typical, strict=True)}, np.zeros((0, 3)))
-    found = result_of(trial, judged_with(trial, [picture], guess, FIRST, cells_of([picture])))
+    names = {name: bgr[None] for name, bgr in zip(trial.paints, trial.typical, strict=True)}
+    guess = judged_with(trial, [picture], Measured(names, np.zeros((0, 3))), FIRST, cells_of([picture]))
+    found = result_of(trial, guess)
     assert found.pictures[0].clear
     assert not found.accepted
     assert "no color was learned: looked for blue" in str(found.refused[0])
+    judged = tuple(replace(one, evidence=np.zeros(len(one.robots))) for one in guess.judged)
+    unread = result_of(trial, replace(guess, judged=judged))
+    x, y = (round(float(judged[0].robots[0][axis])) for axis in ("x_px", "y_px"))
+    assert f"{len(judged[0].robots)} things look like robots and are not read: at ({x}, {y}) px of picture 1" in str(
+        unread.remarks[-1]
+    )

@@ -18,6 +18,8 @@ TOO_NEAR, NEAR = 2.5, 4.0
 LEAST_SPREAD = 0.1
 """One picture shows less of a paint's spread than a match does."""
 CLEAR_EVIDENCE = 0.5
+MAX_PLACES = 6
+"""So many places are listed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,8 @@ class PictureRead:
     clear: int
     """Robots whose markers the picture shows clearly."""
     balls: int
+    unread: tuple[tuple[int, int], ...]
+    """Where something has a robot's color and is not read [px]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,14 +97,14 @@ def result_of(trial: Trial, palette: Palette) -> ColorsFound:
         PictureRead(
             len(one.robots), int((one.robots["id"] >= 0).sum()), int((one.evidence >= CLEAR_EVIDENCE).sum()),
             len(one.balls),
+            tuple((round(float(row["x_px"])), round(float(row["y_px"]))) for row in one.robots[one.evidence == 0.0]),
         )
         for one in palette.judged
     )  # fmt: skip
     near = _near_paints(trial, palette, measured)
     worn = np.unique(np.concatenate([kind.worn.ravel() for kind in trial.kinds[:BALL]]))
-    unread = sum(int((one.evidence == 0.0).sum()) for one in palette.judged)
-    refused = _refused([paints[number] for number in worn], near, pictures, unread)
-    return ColorsFound(colors, paints, near, pictures, tuple(refused), tuple(_remarks(paints, near)))
+    refused = _refused([paints[number] for number in worn], near, pictures)
+    return ColorsFound(colors, paints, near, pictures, tuple(refused), tuple(_remarks(paints, near, pictures)))
 
 
 def _near_paints(trial: Trial, palette: Palette, measured: Measured) -> tuple[NearPaints, ...]:
@@ -132,9 +136,9 @@ def _confusable(trial: Trial) -> set[tuple[int, int]]:
 
 
 def _refused(
-    worn: Sequence[PaintFound], near: Sequence[NearPaints], pictures: Sequence[PictureRead], unread: int
-) -> list[Reason]:
-    """worn: the paints of the robots; unread: how many robots are not read in all pictures."""
+    worn: Sequence[PaintFound], near: Sequence[NearPaints], pictures: Sequence[PictureRead]
+) -> list[Reason]:  # fmt: skip
+    """worn: the paints of the robots."""
     if not any(one.clear for one in pictures):
         return [Reason(
             "no robot's marker is read clearly",
@@ -147,7 +151,7 @@ def _refused(
             "Give pictures with more robots or better light, or measure the colors with `pslv colors sample`.",
         )]  # fmt: skip
     reasons = [_alike(pair, "too alike") for pair in near if pair.spreads < TOO_NEAR]
-    if unseen and unread:
+    if unseen and (unread := sum(len(one.unread) for one in pictures)):
         reasons.append(Reason(
             f"{unread} robots are not read, and no marker that is read shows {unseen}: they may wear it",
             "Give that paper another color if it looks like another one's; otherwise add pictures that show it.",
@@ -155,12 +159,22 @@ def _refused(
     return reasons
 
 
-def _remarks(paints: Sequence[PaintFound], near: Sequence[NearPaints]) -> list[Reason]:
+def _remarks(
+    paints: Sequence[PaintFound], near: Sequence[NearPaints], pictures: Sequence[PictureRead]
+) -> list[Reason]:  # fmt: skip
     reasons = [_alike(pair, "alike") for pair in near if pair.spreads >= TOO_NEAR]
     if unseen := [one.name for one in paints if not one.patches]:
         reasons.append(Reason(
             f"no picture shows {', '.join(unseen)}",
             "Add a picture with a robot that wears it; until then its name alone says how it looks.",
+        ))  # fmt: skip
+    places = [f"{place} px of picture {number}" for number, one in enumerate(pictures, 1) for place in one.unread]
+    if places:
+        more = f" and {len(places) - MAX_PLACES} more" if len(places) > MAX_PLACES else ""
+        reasons.append(Reason(
+            f"with these colors {len(places)} things look like robots and are not read: at "
+            f"{', '.join(places[:MAX_PLACES])}{more}",
+            "Where no robot stands, mask what lies there (camera.masks), or add pictures that show it in other light.",
         ))  # fmt: skip
     return reasons
 
