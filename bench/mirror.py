@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.runner import Row
 from vision_core.calibration.mirror.fit import FocalPrior, fit_mirror, jacobian, radii_of
-from vision_core.calibration.mirror.pairs import Pairs
+from vision_core.calibration.mirror.pairs import Pairs, pairs_of
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.geometry import Floats, Mask
 from vision_core.models.hyperboloid import Hyperboloid
@@ -47,7 +47,8 @@ def trial(seed: int, mirror: Mirror = PAPER_MIRROR) -> Trial:
     shape = Hyperboloid.of(mirror)
     prior = FocalPrior(shape.focal_px * (1.0 + FOCAL_SHARE * random.normal()), FOCAL_SHARE)
     names = tuple(f"row {number}" for number in range(1, PAIRS + 1))
-    pairs = Pairs(np.maximum(radii, 0.5), distances, names, Rounding.EXACT)
+    rows = list(zip(np.maximum(radii, 0.5).tolist(), distances.tolist(), strict=True))
+    pairs = pairs_of(rows, names, Rounding.EXACT)
     return Trial(pairs, prior, is_outlier, _floor_px(random, shape, distances[~is_outlier]))
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from typer.testing import CliRunner
 
 from app.cli import app
@@ -14,6 +15,7 @@ from vision_core.capture.synthetic.world import World
 from vision_core.errors import SettingsError, SourceError
 from vision_core.evaluation.surroundings import surroundings_in
 from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.field import field_of_floor
 from vision_core.models.from_settings import mirror_of
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.native.opencv import write_picture
@@ -30,9 +32,11 @@ DIRECTIONS = np.arange(360.0)
 
 @pytest.fixture(scope="module")
 def taken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Settings, Path]:
-    """Two instants of a match: what the ceiling camera shows, what blue 1 sees, and the truth around it."""
+    """Two instants of a match: what the ceiling camera shows, what blue 1 sees, and where the floor ends."""
     settings, folder = load_settings(options={"synthetic.seed": 0}), tmp_path_factory.mktemp("instants")
     world, camera = World(settings), CameraSetup.from_settings(settings)
+    floor = replace(settings, field=field_of_floor(settings.field))
+    bare = OnboardCamera(floor, (Team.BLUE, 1))
     onboard, ceiling = OnboardCamera(settings, (Team.BLUE, 1)), Renderer(settings, camera, world.robots_worn)
     pixels = np.empty((settings.camera.height_px, settings.camera.width_px, 3), dtype=np.uint8)
     for number in range(2):
@@ -42,7 +46,7 @@ def taken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Settings, Path]:
         ceiling.draw(pixels, snapshot)
         write_picture(folder / f"ceiling-{number}.png", pixels)
         write_picture(folder / f"onboard-{number}.png", onboard.picture(scene))
-        np.save(folder / f"truth-{number}.npy", first_solids(scene, DIRECTIONS).foot_mm)
+        np.save(folder / f"truth-{number}.npy", first_solids(bare.scene(snapshot), DIRECTIONS).foot_mm)
     return settings, folder
 
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from vision_core.fidelity.reports import Report
-from vision_core.fidelity.wall_lines import line_at_walls_mm, without_wall_lines
+from vision_core.fidelity.wall_lines import without_wall_lines
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.protocol.messages import HIDDEN
-from vision_core.venues.loader import load_settings
 
 
 def test_a_straight_wall_moves_away_by_the_width_of_the_line() -> None:
@@ -24,8 +23,3 @@ def test_a_straight_wall_moves_away_by_the_width_of_the_line() -> None:
 def test_other_edges_stay() -> None:
     seen = Report(np.array(list("yyyyyyyy")), np.full(8, 50.0), HIDDEN)
     assert without_wall_lines(seen, 10.0, PAPER_MIRROR).radii_px.tolist() == [50.0] * 8
-
-
-@pytest.mark.parametrize(("preset", "width_mm"), [("ssl-2002", 10.0), ("ssl-division-b", 0.0)])
-def test_only_walls_at_the_lines_have_one(preset: str, width_mm: float) -> None:
-    assert line_at_walls_mm(load_settings(options={"field_preset": preset}).field) == pytest.approx(width_mm)

@@ -5,7 +5,15 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from vision_core.models.field import accepted_half_extent, field_lines, field_segments, goal_line_x, is_accepted
+from vision_core.models.field import (
+    accepted_half_extent,
+    field_lines,
+    field_of_floor,
+    field_segments,
+    goal_line_x,
+    is_accepted,
+    line_at_walls_m,
+)
 from vision_core.settings.schema import FieldSettings
 from vision_core.types.edges import EdgeKind
 from vision_core.types.field import Segment
@@ -32,6 +40,25 @@ def test_walls_and_goals_are_one_closed_solid_line(field: FieldSettings) -> None
     segments = list(field_segments(field, "left"))
     assert all(segment.solid for segment in segments)
     assert set(ends(segments).values()) == {2}
+
+
+def slanted(field: FieldSettings) -> set[float]:
+    """|x| + |y| of a field's cut corners."""
+    walls = [s for s in field_segments(field, "left") if abs(s.x1_m - s.x2_m) == pytest.approx(abs(s.y1_m - s.y2_m))]
+    return {round(abs(s.x1_m) + abs(s.y1_m), 6) for s in walls}
+
+
+def test_the_floor_ends_before_the_lines_at_walls_and_in_the_goals_where_it_did() -> None:
+    walled, floor = (field_segments(one, "left") for one in (WALLED, field_of_floor(WALLED)))
+    backs = [max(abs(s.x1_m) for s in segments if s.kind is not EdgeKind.WALL) for segments in (walled, floor)]
+    walls = [max(abs(s.y1_m) for s in segments if s.kind is EdgeKind.WALL) for segments in (walled, floor)]
+    assert backs[0] == pytest.approx(backs[1])
+    assert walls[0] == pytest.approx(walls[1] + WALLED.line_width_m)
+    cut = replace(WALLED, corner_cut_m=0.12)
+    corners = [slanted(one) for one in (cut, field_of_floor(cut))]
+    assert corners[0] == corners[1], "no line is painted along cut corners"
+    assert field_of_floor(OPEN) == OPEN
+    assert [line_at_walls_m(field) for field in (WALLED, OPEN, CUT)] == [WALLED.line_width_m, 0.0, 0.0]
 
 
 def test_the_limit_is_closed_and_virtual_and_beyond_the_goals() -> None:

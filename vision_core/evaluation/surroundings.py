@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+from msgspec.structs import replace
+
 from vision_core.calibration.mirror.from_views import Surroundings
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.errors import SourceError
 from vision_core.models.camera_setup import CameraSetup
+from vision_core.models.field import field_of_floor
 from vision_core.native.opencv import read_picture
 from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import Settings
@@ -22,8 +25,9 @@ TURNLESS_RAD = 0.0
 
 
 def surroundings_in(file: Path, settings: Settings, team: Team, number: int) -> Surroundings:
-    """The nearest edges around a robot that a picture of the ceiling camera shows. number: as clients use it.
+    """Where the floor ends around a robot by a picture of the ceiling camera. number: as clients use it.
 
+    In the robot's own picture a line that is painted at the foot of a wall is one with it: the floor ends before both.
     Raises SourceError when the picture cannot be read, has another size, or does not show the robot with its heading.
     """
     perception = Perception(settings, CameraSetup.from_settings(settings))
@@ -42,7 +46,8 @@ def surroundings_in(file: Path, settings: Settings, team: Team, number: int) -> 
         )
     tracks = tuple(_track(one) for one in seen.robots)
     circles = tuple(ObstacleTrack(one.x_m, one.y_m, 0.0, 0.0, one.radius_m, AT) for one in obstacles)
-    renderer, world = ViewRenderer(settings), WorldTable.of(World(1, AT, tracks, None, circles))
+    floor = replace(settings, field=field_of_floor(settings.field))
+    renderer, world = ViewRenderer(floor), WorldTable.of(World(1, AT, tracks, None, circles))
     renderer.render(world)
     view = renderer.view(world, team, number)
     assert view is not None

@@ -10,9 +10,10 @@ from vision_core.client.recognition.geometry import paper_geometry
 from vision_core.client.recognition.palette import RENDERED, Palette, Surface
 from vision_core.client.recognition.recognize import recognize
 from vision_core.fidelity.reports import Report, report_of
-from vision_core.fidelity.wall_lines import line_at_walls_mm, without_wall_lines
+from vision_core.fidelity.wall_lines import without_wall_lines
 from vision_core.fidelity.worlds import VIEWER, Setup
 from vision_core.geometry import Bytes, Floats
+from vision_core.models.field import line_at_walls_m
 from vision_core.models.mirror import MM_PER_M, Mirror
 from vision_core.onboard.camera import OnboardCamera
 from vision_core.onboard.scene import Scene
@@ -33,7 +34,7 @@ class OnboardSide:
             nearest_mm=self.camera.nearest_floor_m * MM_PER_M,
             ball_radius_mm=settings.ball.radius_m * MM_PER_M,
         )
-        self.line_mm = line_at_walls_mm(settings.field)
+        self.line_mm = line_at_walls_m(settings.field) * MM_PER_M
         """Width of the line at the walls' feet; 0: reports are left as they are."""
         self._palette = RENDERED if settings.field.walls else _palette_with_wood()
 

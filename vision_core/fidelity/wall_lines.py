@@ -11,19 +11,13 @@ import numpy as np
 
 from vision_core.fidelity.reports import Report
 from vision_core.geometry import Floats, Mask
-from vision_core.models.mirror import MM_PER_M, Mirror
-from vision_core.settings.schema import FieldSettings
+from vision_core.models.mirror import Mirror
 
 WALL = "w"
 ASIDE = 3
 """The wall's direction is that between the points so many directions to the left and to the right."""
 MAX_SLANT = 4.0
 """A wall that is seen at so flat an angle, as the ratio of both distances, is left as it was seen."""
-
-
-def line_at_walls_mm(field: FieldSettings) -> float:
-    """Width of the line that is painted at a field's walls; 0: there are no walls, or they keep off the lines."""
-    return field.line_width_m * MM_PER_M if field.walls and field.margin_m == 0.0 else 0.0
 
 
 def without_wall_lines(seen: Report, line_mm: float, mirror: Mirror) -> Report:

@@ -6,6 +6,7 @@ Field space, see ``geometry``. Left is the goal at negative x.
 import math
 
 import numpy as np
+from msgspec.structs import replace
 
 from vision_core.geometry import Floats
 from vision_core.settings.schema import FieldSettings
@@ -30,6 +31,26 @@ def field_segments(field: FieldSettings, blue_defends: str) -> tuple[Segment, ..
     )
     goals = (*_goal(field, -1.0, left), *_goal(field, 1.0, right))
     return (*goals, *(_walls(field) if field.walls else _limit(field)))
+
+
+def line_at_walls_m(field: FieldSettings) -> float:
+    """Width of the line that is painted at the feet of a field's walls [m]; 0: no walls, or they keep off the lines."""
+    return field.line_width_m if field.walls and field.margin_m == 0.0 else 0.0
+
+
+def field_of_floor(field: FieldSettings) -> FieldSettings:
+    """The field whose walls stand where the bare floor ends: at the inner edge of lines that are painted at their feet.
+
+    Cut corners have no line, and goals none inside.
+    """
+    line = line_at_walls_m(field)
+    return replace(
+        field,
+        length_m=field.length_m - 2.0 * line,
+        width_m=field.width_m - 2.0 * line,
+        corner_cut_m=max(field.corner_cut_m - 2.0 * line, 0.0),
+        goal=replace(field.goal, depth_m=field.goal.depth_m + line),
+    )
 
 
 def goal_line_x(field: FieldSettings) -> float:

@@ -2,16 +2,20 @@
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from tests.calibration.mirror.pictures import around
 from tests.capture.synthetic.scenes import plain_settings
 from vision_core.calibration.mirror.fit import radii_of
 from vision_core.calibration.mirror.from_views import Surroundings, pairs_around
+from vision_core.calibration.mirror.result import MirrorCalibration
 from vision_core.calibration.mirror.verdict import SPAN_MM, calibrate_mirror
 from vision_core.calibration.result import Cancelled
+from vision_core.capture.synthetic.world import World
 from vision_core.clock import Instant
 from vision_core.errors import SourceError
 from vision_core.geometry import Floats
+from vision_core.models.field import field_of_floor
 from vision_core.models.hyperboloid import Hyperboloid
 from vision_core.models.mirror import MM_PER_M, PAPER_MIRROR, Mirror
 from vision_core.onboard.camera import OnboardCamera
@@ -19,6 +23,7 @@ from vision_core.onboard.scene import snapshot_of
 from vision_core.onboard.truth import first_solids
 from vision_core.types.objects import Team
 from vision_core.types.views import RobotView
+from vision_core.venues.loader import load_settings
 
 DIRECTIONS = np.arange(360.0)
 ROBOTS = np.array(
@@ -83,6 +88,33 @@ def test_it_is_cancelled() -> None:
 
 
 @pytest.mark.slow
+def test_a_line_along_near_walls_is_known_or_counts_in_the_band() -> None:
+    """A robot beside walls with a painted line of 3 mm: its inner edge is where the floor ends."""
+    settings = load_settings("demo-vsss", options={"synthetic.seed": 2})
+    world, camera = World(settings), OnboardCamera(settings, (Team.BLUE, 1))
+    floor = OnboardCamera(replace(settings, field=field_of_floor(settings.field)), (Team.BLUE, 1))
+    world.advance(3.0)
+    snapshot = world.snapshot()
+    picture = camera.picture(camera.scene(snapshot))
+    results = []
+    for measure in (camera, floor):
+        feet = np.array(first_solids(measure.scene(snapshot), DIRECTIONS).foot_mm)
+        feet[feet < camera.nearest_floor_m * MM_PER_M] = np.inf
+        pairs = pairs_around(picture, Surroundings(np.radians(DIRECTIONS), feet), scale=camera.scale)
+        results.append(calibrate_mirror(pairs, None))
+    walls, ends = results
+    assert error_px(walls, camera.mirror) > 0.8, "the line is taken for the wall"
+    assert error_px(walls, camera.mirror) < walls.band_px
+    assert error_px(ends, camera.mirror) < 0.3
+
+
+def error_px(result: MirrorCalibration, mirror: Mirror) -> float:
+    """Largest error of the curve."""
+    assert result.shape is not None
+    return float(np.abs(radii_of(result.shape, SPAN_MM) - mirror.px_from_mm(SPAN_MM)).max())
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "mirror",
     [PAPER_MIRROR, Hyperboloid(500.0, 150.0, 1.6).mirror(), Hyperboloid(150.0, 300.0, 1.2).mirror()],
@@ -99,5 +131,4 @@ def test_a_mirror_is_recovered_from_one_rendered_picture(mirror: Mirror) -> None
     assert len(pairs) > 300
     result = calibrate_mirror(pairs, None)
     assert result.accepted, result.reasons
-    assert result.shape is not None
-    assert np.abs(radii_of(result.shape, SPAN_MM) - mirror.px_from_mm(SPAN_MM)).max() < 0.3
+    assert error_px(result, mirror) < 0.3

@@ -6,7 +6,6 @@ import numpy as np
 
 from vision_core.calibration.mirror.fit import FocalPrior, MirrorFit, fit_mirror, jacobian
 from vision_core.calibration.mirror.pairs import Pairs
-from vision_core.geometry import Mask
 
 APART_PX, APART_SIGMAS = 2.0, 5.7
 """Farther in than a nearer pair by so much, and by so many deviations of one pair (4 of a difference)."""
@@ -39,22 +38,17 @@ def rivals(pairs: Pairs, prior: FocalPrior, fit: MirrorFit) -> Iterator[str]:
     if fit.kept.all():
         return
     design = jacobian(fit.logs, pairs.distances_mm)
-    leverage = np.einsum("np,pq,nq->n", design, fit.covariance, design) / fit.noise_px**2
+    leverage = np.einsum("np,pq,nq->n", design, fit.noise_covariance, design) / fit.noise_px**2
     outliers = int((~fit.kept).sum())
     for number in np.flatnonzero(fit.kept & (leverage > LEVERAGE)).tolist():
         others = np.arange(len(pairs)) != number
-        other = fit_mirror(_chosen(pairs, others), prior)
+        other = fit_mirror(pairs.chosen(others), prior)
         wrong = int((~other.kept).sum()) + 1
         is_quiet = other.noise_px <= max(RIVAL_NOISE * fit.noise_px, RIVAL_NOISE_PX)
         newly = others & ~fit.kept
         newly[others] &= other.kept
         if wrong <= outliers and is_quiet and newly.any():
             yield f"{pairs.names[number]} or {pairs.names[int(np.argmax(newly))]}"
-
-
-def _chosen(pairs: Pairs, mask: Mask) -> Pairs:
-    names = tuple(name for name, chosen in zip(pairs.names, mask.tolist(), strict=True) if chosen)
-    return Pairs(pairs.radii_px[mask], pairs.distances_mm[mask], names, pairs.rounding)
 
 
 def _words(pairs: Pairs, nearer: int, farther: int) -> str:

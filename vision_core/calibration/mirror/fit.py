@@ -70,9 +70,11 @@ class MirrorFit:
     noise_px: float
     """Standard deviation of the pairs that count."""
     alike: float
-    """Correlation of the residuals of neighbouring distances, where it is no accident; otherwise 0."""
-    covariance: Floats
-    """Of log h, log u, log f; shape (3, 3). Neighbours that are alike count as fewer."""
+    """Correlation of the residuals of neighbours, by distance or in a picture, where it is no accident; otherwise 0."""
+    noise_covariance: Floats
+    """Of log h, log u, log f by noise; shape (3, 3). Neighbours that are alike count as fewer."""
+    shared_covariance: Floats
+    """The same by the errors that pairs share, of which more pairs tell nothing."""
     condition: float
     """Of the derivatives of the radii by log h, log u, log f, without the prior."""
 
@@ -80,6 +82,11 @@ class MirrorFit:
     def shape(self) -> Hyperboloid:
         """Focal length, height and bend."""
         return _shape(self.logs)
+
+    @property
+    def covariance(self) -> Floats:
+        """Of log h, log u, log f; shape (3, 3)."""
+        return self.noise_covariance + self.shared_covariance
 
     def deviation_px(self, distances_mm: Floats) -> Floats:
         """Standard deviation of the curve at distances on the floor, shape (n,) [mm] -> (n,) [px]."""
@@ -115,7 +122,7 @@ def fit_mirror(pairs: Pairs, prior: FocalPrior) -> MirrorFit:
         kept, data = near, _Data(radii[near], distances[near], prior, least)
         logs = _least_squares(data, logs, data.noise_px(logs))
     noise = _Data(radii[kept], distances[kept], prior, least).noise_px(logs)
-    return _result(everything, logs, kept, noise)
+    return _result(everything, logs, kept, noise, pairs.shared[kept])
 
 
 def jacobian(logs: Floats, distances_mm: Floats) -> Floats:
@@ -198,6 +205,15 @@ def radii_of(shape: Hyperboloid, distances_mm: Floats) -> Floats:
     return radii
 
 
+def px_per_mm(shape: Hyperboloid, distances_mm: Floats) -> Floats:
+    """How fast the radius grows with the distance, shape (n,) [mm] -> (n,)."""
+    height, bend = shape.height_mm, shape.bend
+    away = np.hypot(height, distances_mm)
+    q = height * np.cosh(bend) + np.sinh(bend) * away
+    slopes: Floats = shape.focal_px / q * (1.0 - np.sinh(bend) * distances_mm**2 / (q * away))
+    return slopes
+
+
 def _descended(data: _Data, focal_px: float) -> Floats:
     """From a first guess of the focal length down the robust loss."""
     line = best_line(data.radii_px, data.distances_mm, focal_px)
@@ -220,26 +236,31 @@ def _least_squares(data: _Data, logs: Floats, noise_px: float) -> Floats:
     return descend(logs, lambda _: problem, STEPS)
 
 
-def _result(data: _Data, logs: Floats, kept: Mask, noise_px: float) -> MirrorFit:
-    design = jacobian(logs, data.distances_mm[kept])
-    alike = _alike(data.off_px(logs)[kept][np.argsort(data.distances_mm[kept], kind="stable")])
-    information = design.T @ design / noise_px**2 * (1.0 - alike) / (1.0 + alike)
+def _result(data: _Data, logs: Floats, kept: Mask, noise_px: float, shared: Floats) -> MirrorFit:
+    distances, off = data.distances_mm[kept], data.off_px(logs)[kept]
+    design = jacobian(logs, distances)
+    alike = max(_alike(off), _alike(off[np.argsort(distances, kind="stable")]))
+    weighted = design.T / noise_px**2 * (1.0 - alike) / (1.0 + alike)
+    information = weighted @ design
     information[2, 2] += data.prior.share**-2
     sizes = np.linalg.svd(design, compute_uv=False)
-    covariance = np.linalg.pinv(information, rcond=1e-15, hermitian=True)
+    covariance = np.asarray(np.linalg.pinv(information, rcond=1e-15, hermitian=True), dtype=np.float64)
+    slopes = px_per_mm(_shape(logs), distances)
+    moves = covariance @ weighted @ np.stack([slopes * shared[:, 0], shared[:, 1]], axis=-1)
     return MirrorFit(
         logs=logs,
         kept=kept,
         off_px=data.off_px(logs),
         noise_px=noise_px,
         alike=alike,
-        covariance=np.asarray(covariance, dtype=np.float64),
+        noise_covariance=covariance,
+        shared_covariance=moves @ moves.T,
         condition=float(sizes[0] / max(sizes[-1], 1e-300)) if len(sizes) == PARAMETERS else np.inf,
     )
 
 
 def _alike(off_px: Floats) -> float:
-    """Correlation of neighbours among residuals in the order of their distances."""
+    """Correlation of neighbours among residuals in some order."""
     if len(off_px) < MIN_ALIKE:
         return 0.0
     alike = float((off_px[:-1] * off_px[1:]).mean() / max(float((off_px**2).mean()), 1e-12))

@@ -16,7 +16,7 @@ import numpy as np
 
 from vision_core.calibration.mirror.fit import STARTS_PX, FocalPrior, fit_mirror, radii_of
 from vision_core.calibration.mirror.lines import mirrors_through, radii_through
-from vision_core.calibration.mirror.pairs import MAX_BYTES, Pairs, pairs_of
+from vision_core.calibration.mirror.pairs import MAX_BYTES, Pairs, SharedError, pairs_of
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.calibration.mirror.table import DIRECTIONS, rows_of
 from vision_core.calibration.mirror.target_edge import (
@@ -53,6 +53,9 @@ TOLD = 60
 """Directions between two reports of progress."""
 REFINED = 3
 """Rounds of fitting the mirror and taking the nearest edges."""
+GIVEN_MM, MEASURED_MM, EDGE_PX = 2.5, 0.5, 0.1
+"""Errors that all pairs of pictures share: of distances that somebody gives, who may not know what is painted along the
+walls; of those that the ceiling camera measures on a known field; of edges, in pixels of the picture."""
 MIN_SHARE, MIN_MATCHED = 0.4, 12
 """Of the directions, and of how many, must show an edge where the mirror has it."""
 
@@ -65,12 +68,15 @@ class Surroundings:
     """Shape (n,)."""
     distances_mm: Floats
     """On the floor from the robot's center, shape (n,); inf where nothing stands."""
+    shared_mm: float = GIVEN_MM
+    """Standard deviation of an error that all distances share."""
 
     @classmethod
     def of(cls, view: RobotView) -> "Surroundings":
         """Those of a robot by the ceiling camera's measurement."""
         count = len(view.distances_m)
-        return cls(math.tau / count * np.arange(count, dtype=np.float64), view.distances_m * MM_PER_M)
+        directions = math.tau / count * np.arange(count, dtype=np.float64)
+        return cls(directions, view.distances_m * MM_PER_M, MEASURED_MM)
 
     @classmethod
     def read(cls, path: Path) -> "Surroundings":
@@ -94,7 +100,7 @@ class Surroundings:
     def known(self) -> "Surroundings":
         """Without the directions in which nothing stands."""
         known = np.isfinite(self.distances_mm)
-        return Surroundings(self.directions_rad[known], self.distances_mm[known])
+        return Surroundings(self.directions_rad[known], self.distances_mm[known], self.shared_mm)
 
 
 def pairs_around(
@@ -122,11 +128,12 @@ def pairs_around(
     progress(f"matching the edges in {name}", 0.5)
     edges = _without_rings(_floor_ends(profiles, center, min(pixels.shape[:2]) / 2.0) / scale)
     predicted = _guessed(edges, known.distances_mm)
-    pairs = _nearest(edges, predicted, NEAR_PX, known, name)
+    shared = SharedError(known.shared_mm, EDGE_PX / scale)
+    pairs = _nearest(edges, predicted, NEAR_PX, known, name, shared)
     for _ in range(REFINED):
         _check(len(pairs), len(edges), name)
         predicted = radii_of(fit_mirror(pairs, FocalPrior()).shape, known.distances_mm)
-        pairs = _nearest(edges, predicted, MATCH_PX, known, name)
+        pairs = _nearest(edges, predicted, MATCH_PX, known, name, shared)
     _check(len(pairs), len(edges), name)
     return pairs
 
@@ -205,7 +212,9 @@ def _met(edges_px: Floats, guesses_px: Floats) -> Floats:
     return met
 
 
-def _nearest(edges_px: Floats, predicted_px: Floats, reach_px: float, known: Surroundings, name: str) -> Pairs:
+def _nearest(
+    edges_px: Floats, predicted_px: Floats, reach_px: float, known: Surroundings, name: str, shared: SharedError
+) -> Pairs:
     """The edges nearest to a mirror's radii, where they are near."""
     off = np.abs(edges_px - predicted_px[:, None])
     off[~np.isfinite(off)] = np.inf
@@ -213,7 +222,7 @@ def _nearest(edges_px: Floats, predicted_px: Floats, reach_px: float, known: Sur
     rows = np.flatnonzero(off.min(axis=1) <= reach_px)
     pairs = [(float(edges_px[row, nearest[row]]), float(known.distances_mm[row])) for row in rows.tolist()]
     degrees = np.degrees(known.directions_rad[rows])
-    return pairs_of(pairs, [f"{name} at {degree:.0f} degrees" for degree in degrees], Rounding.EXACT)
+    return pairs_of(pairs, [f"{name} at {degree:.0f} degrees" for degree in degrees], Rounding.EXACT, shared)
 
 
 def _check(matched: int, of: int, name: str) -> None:

@@ -9,13 +9,21 @@ import numpy as np
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.calibration.mirror.table import RADII, rows_of
 from vision_core.errors import SettingsError
-from vision_core.geometry import Floats
+from vision_core.geometry import Floats, Mask
 from vision_core.user_files import read_text
 
 MAX_PAIRS = 10_000
 MAX_BYTES = 1_000_000
 MAX_RADIUS_PX, MAX_DISTANCE_MM = 10_000.0, 100_000.0
 HALF_PX = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class SharedError:
+    """Standard deviations of errors that many pairs have in common: their number does not make them smaller."""
+
+    distance_mm: float = 0.0
+    radius_px: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +36,9 @@ class Pairs:
     """Shape (n,)."""
     names: tuple[str, ...]
     """What messages call each: "line 7"."""
-    rounding: Rounding = Rounding.AUTO
+    rounding: Rounding
+    shared: Floats
+    """``SharedError`` of each, distance [mm] and radius [px], shape (n, 2)."""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -52,11 +62,20 @@ class Pairs:
         if self.are_cut and other.are_cut:
             radii, rounding = radii - HALF_PX, self.rounding if self.rounding is other.rounding else Rounding.CUT
         distances = np.concatenate([self.distances_mm, other.distances_mm])
-        return Pairs(radii, distances, (*self.names, *other.names), rounding)
+        shared = np.concatenate([self.shared, other.shared])
+        return Pairs(radii, distances, (*self.names, *other.names), rounding, shared)
+
+    def chosen(self, mask: Mask) -> "Pairs":
+        """Some of them, shape (n,)."""
+        names = tuple(name for name, is_chosen in zip(self.names, mask.tolist(), strict=True) if is_chosen)
+        return Pairs(self.radii_px[mask], self.distances_mm[mask], names, self.rounding, self.shared[mask])
 
 
 def pairs_of(
-    rows: Sequence[tuple[float, float]], names: Sequence[str] = (), rounding: Rounding = Rounding.AUTO
+    rows: Sequence[tuple[float, float]],
+    names: Sequence[str] = (),
+    rounding: Rounding = Rounding.AUTO,
+    shared: SharedError = SharedError(),
 ) -> Pairs:
     """Typed pairs (R px, r mm). names: what messages call them; () for "row 1" and so on. Raises SettingsError."""
     called = tuple(names) or tuple(f"row {number}" for number in range(1, len(rows) + 1))
@@ -66,7 +85,8 @@ def pairs_of(
         _check(name, "R", radius, MAX_RADIUS_PX, "px")
         _check(name, "r", distance, MAX_DISTANCE_MM, "mm")
     columns = np.array(rows, dtype=np.float64).reshape(-1, 2)
-    return Pairs(columns[:, 0].copy(), columns[:, 1].copy(), called, rounding)
+    errors = np.tile([shared.distance_mm, shared.radius_px], (len(rows), 1))
+    return Pairs(columns[:, 0].copy(), columns[:, 1].copy(), called, rounding, errors)
 
 
 def read_pairs(path: Path, rounding: Rounding = Rounding.AUTO) -> Pairs:

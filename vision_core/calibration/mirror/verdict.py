@@ -139,6 +139,11 @@ def _notes(pairs: Pairs, prior: FocalPrior | None, fit: MirrorFit) -> Iterator[s
         )
     if (band := _band_px(fit)) > BAND_PX:
         yield f"add pairs near {_widest_mm(fit):.0f} mm: there the curve is only known to {band:.1f} px"
+    if np.trace(fit.shared_covariance) > np.trace(fit.noise_covariance):
+        yield (
+            f"all pairs of pictures share errors, of distances up to {pairs.shared[:, 0].max():g} mm: more pictures do"
+            " not make the band narrower"
+        )
     if fit.alike > 0.0:
         yield (
             f"the residuals are no noise: neighbours are alike (correlation {fit.alike:.2f}). Is the image's center"
