@@ -67,6 +67,9 @@ def mirror(
         typer.Option(help="int: cut to whole numbers as in `see` messages; auto: so if all of them are whole."),
     ] = Rounding.AUTO,
     draw: Annotated[Path | None, typer.Option(help="Picture file: curve, band and pairs.")] = None,
+    whose: Annotated[
+        str, typer.Option("--for", help="Whose mirror it is: field, a team (blue), or a robot (blue:3).")
+    ] = "field",
     save: Annotated[
         bool, typer.Option("--save", help="Write the mirror into the file of --config or --venue.")
     ] = False,
@@ -79,6 +82,7 @@ def mirror(
     reasons, and exit status 2.
     """
     from app.commands.mirror_pictures import PictureOptions
+    from app.commands.options import scope_from
     from vision_core.calibration.mirror.draw import draw_mirror
     from vision_core.calibration.mirror.verdict import calibrate_mirror
     from vision_core.native.opencv import write_picture
@@ -86,6 +90,7 @@ def mirror(
     from vision_core.venues.loader import layers_of, settings_from_layers
     from vision_core.venues.presets import field_of
 
+    team, number = scope_from(whose)
     layers = layers_of(venue, config)
     target = own_file(venue, config, layers, is_needed=save)
     settings = settings_from_layers(layers)
@@ -98,9 +103,9 @@ def mirror(
     if not result.accepted or result.mirror is None:
         raise typer.Exit(2)
     if not as_json:
-        typer.echo(lines_of(mirror_tables(result.mirror)))
+        typer.echo(lines_of(mirror_tables(result.mirror, team, number)))
     if save and target is not None:
-        save_mirror(layers, target, result.mirror)
+        save_mirror(layers, target, result.mirror, team, number)
         typer.echo(f"# saved in {target.name}", err=True)
 
 

@@ -18,6 +18,21 @@ ConfigFile = Annotated[
 ]
 
 
+def scope_from(text: str) -> "tuple[Team | None, int | None]":
+    """Whose mirror, from --for field, --for blue or --for blue:3. Raises SettingsError."""
+    from vision_core.models.from_settings import FIELD
+    from vision_core.types.objects import Team
+    from vision_core.types.tables import MAX_NUMBERS
+
+    team, colon, number = text.partition(":")
+    if text == FIELD:
+        return None, None
+    if team not in list(Team) or colon and not (number.isdecimal() and 1 <= int(number) <= MAX_NUMBERS):
+        accepted = f"{FIELD}, blue, yellow, or a robot's team and number, blue:1 to yellow:{MAX_NUMBERS}"
+        raise SettingsError("--for", found=text, accepted=accepted)
+    return Team(team), int(number) if colon else None
+
+
 def robot_of(text: str) -> tuple["Team", int]:
     """Team and number from --robot blue:1. Raises SettingsError."""
     from vision_core.types.objects import Team

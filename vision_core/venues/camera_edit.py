@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import TypeAlias
 
 from vision_core.errors import SettingsError
+from vision_core.models.from_settings import mirror_of, scope_of
 from vision_core.models.mirror import Mirror
 from vision_core.settings.layers import Layer
 from vision_core.settings.schema import LensSettings, PinholeSettings, Settings
+from vision_core.types.objects import Team
 from vision_core.venues.loader import settings_from_layers
 from vision_core.venues.toml_edit import replace_file, with_values
 
@@ -31,9 +33,10 @@ def lens_tables(lens: LensSettings) -> Tables:
     return {"camera.lens": values | {"size_px": repr(list(lens.size_px))}}
 
 
-def mirror_tables(mirror: Mirror) -> Tables:
-    """The table of a venue's file for the mirror of the field's robots."""
-    return {"mirror": {name: _number(value) for name, value in asdict(mirror).items()}}
+def mirror_tables(mirror: Mirror, team: Team | None = None, number: int | None = None) -> Tables:
+    """The table of a venue's file for the mirror of a robot, of a team's robots, or without a team of the field's."""
+    own = f'.robots."{scope_of(team, number)}"' if number is not None else f".{scope_of(team)}" if team else ""
+    return {f"mirror{own}": {name: _number(value) for name, value in asdict(mirror).items()}}
 
 
 def lines_of(tables: Tables) -> str:
@@ -65,13 +68,12 @@ def save_lens(layers: Sequence[Layer], target: Layer, lens: LensSettings) -> Non
     _save(layers, target, lens_tables(lens), lambda saved: saved.camera.lens == lens)
 
 
-def save_mirror(layers: Sequence[Layer], target: Layer, mirror: Mirror) -> None:
-    """Write the mirror of the field's robots into one of the files; arguments and errors as of ``save_camera``."""
-
-    def is_saved(saved: Settings) -> bool:
-        return (saved.mirror.a, saved.mirror.b, saved.mirror.c) == (mirror.a, mirror.b, mirror.c)
-
-    _save(layers, target, mirror_tables(mirror), is_saved)
+def save_mirror(
+    layers: Sequence[Layer], target: Layer, mirror: Mirror, team: Team | None = None, number: int | None = None
+) -> None:
+    """Write a mirror into one of the files; team and number as of ``mirror_tables``, others as of ``save_camera``."""
+    tables = mirror_tables(mirror, team, number)
+    _save(layers, target, tables, lambda saved: mirror_of(saved.mirror, team, number) == mirror)
 
 
 def _save(layers: Sequence[Layer], target: Layer, tables: Tables, is_saved: Callable[[Settings], bool]) -> None:

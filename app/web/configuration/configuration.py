@@ -13,7 +13,7 @@ from typing import Any
 
 from msgspec import to_builtins
 
-from app.web.configuration.keys import ADMISSION
+from app.web.configuration.keys import ADMISSION, setting
 from app.web.configuration.live_record import LivePublisher
 from app.web.configuration.overlay import has_ended, overlay_from
 from app.web.problems import RequestRefused
@@ -76,6 +76,7 @@ class Configuration:
         since, and when the service could not run that way.
         """
         with self._lock:
+            values = self._by_table(values)
             settings = self._judged(self._with(values), what)
             try:
                 change = self.document.change(values, who=who, what=what, seen=seen)
@@ -95,6 +96,7 @@ class Configuration:
     def preview(self, values: Mapping[str, Any], what: str) -> list[EntryChange]:
         """What a change would change. Raises RequestRefused when the service could not run that way."""
         with self._lock:
+            values = self._by_table(values)
             self._judged(self._with(values), what)
             return [EntryChange(key, self._entries.get(key), value) for key, value in sorted(values.items())]
 
@@ -149,6 +151,17 @@ class Configuration:
         """The entries as they are after a change."""
         return {key: value for key, value in {**self._entries, **values}.items() if value is not None}
 
+    def _by_table(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The same change, in which every table of the user's own tables has an entry of its own: one place for each."""
+        found = dict(values)
+        for key in map(setting, OF_WHOLE):
+            tables = found.get(key)
+            if key in found and (tables is None or isinstance(tables, Mapping)):
+                del found[key]
+                found |= dict.fromkeys(entry for entry in self._entries if entry.startswith(f"{key}."))
+                found |= {f"{key}.{name}": table for name, table in (tables or {}).items()}
+        return found
+
     def _judged(self, entries: Mapping[str, Any], what: str) -> Settings:
         try:
             return self._settings_of(entries)
@@ -180,7 +193,7 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in table.items():
         here = f"{path}{key}"
-        if isinstance(value, Mapping) and value and here not in WHOLE and path not in OF_WHOLE:
+        if isinstance(value, Mapping) and value and here not in WHOLE and path.removesuffix(".") not in OF_WHOLE:
             found |= flat(value, f"{here}.")
         else:
             found[here] = value
@@ -194,7 +207,7 @@ WHOLE = frozenset(
     }
 )
 """Tables that are changed as a whole."""
-OF_WHOLE = frozenset({"mirror.robots."})
+OF_WHOLE = frozenset({"mirror.robots"})
 """Tables of such tables, by names of the user's."""
 
 

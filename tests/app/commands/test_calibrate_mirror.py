@@ -63,6 +63,24 @@ def test_save_edits_the_file_and_nothing_else(pairs: Path, tmp_path: Path) -> No
     assert (mirror.a, mirror.b, mirror.c) == pytest.approx((PAPER_MIRROR.a, PAPER_MIRROR.b, PAPER_MIRROR.c), rel=0.03)
 
 
+def test_a_team_and_a_robot_have_mirrors_of_their_own(pairs: Path, tmp_path: Path) -> None:
+    venue = tmp_path / "venue.toml"
+    venue.write_text(VENUE)
+    for whose in ("yellow", "blue:3", "blue:3"):
+        result = run(pairs, "--venue", venue, "--save", "--for", whose)
+        assert result.exit_code == 0, result.output
+    assert [line for line in venue.read_text().splitlines() if line.startswith("[")] == [
+        "[mirror]",
+        "[mirror.yellow]",
+        '[mirror.robots."blue 3"]',
+    ]
+    mirrors = load_settings(str(venue)).mirror
+    radii = [mirror_of(mirrors, team, 3).px_from_mm(DISTANCES) for team in Team]
+    assert radii[0] == pytest.approx(PAPER_MIRROR.px_from_mm(DISTANCES), abs=0.2)
+    assert radii[0] == pytest.approx(radii[1])
+    assert mirror_of(mirrors, Team.BLUE, 2).a == 4.0, "the field's stays"
+
+
 def test_a_refusal_leaves_the_file_as_it_was(pairs: Path, tmp_path: Path) -> None:
     venue = tmp_path / "venue.toml"
     venue.write_text(VENUE)
@@ -81,6 +99,8 @@ def test_a_refusal_leaves_the_file_as_it_was(pairs: Path, tmp_path: Path) -> Non
         (("--focal-sd", "3"), "no --focal"),
         (("--save",), "no file of yours"),
         (("--field", "moon"), "moon"),
+        (("--for", "blue:17"), "blue:17"),
+        (("--for", "green"), "blue, yellow, or a robot's"),
     ],
 )
 def test_what_it_refuses(pairs: Path, words: tuple[str, ...], said: str) -> None:

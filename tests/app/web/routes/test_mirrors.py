@@ -86,6 +86,27 @@ def test_a_change_of_one_robot_is_in_the_history_and_is_undone(http: httpx.Clien
     assert live(service).robots == {}
 
 
+def test_what_the_settings_page_gives_robots_is_the_same_entry(http: httpx.Client, service: FakeService) -> None:
+    set_all = {"changes": {"mirror.robots": {"blue 3": OTHER, "yellow 1": MIRROR}}}
+    assert http.patch("/settings", json=set_all).status_code == 200
+    assert in_force(http)["blue 3"] == (4.4, "blue 3", True)
+    assert http.delete("/mirrors/blue/3").status_code == 200
+    assert in_force(http)["blue 3"] == (PAPER_MIRROR.a, "field", False)
+    assert list(live(service).robots) == ["yellow 1"]
+    assert http.patch("/settings", json={"changes": {"mirror.robots": {"blue 2": OTHER}}}).status_code == 200
+    assert list(live(service).robots) == ["blue 2"]
+    assert http.patch("/settings", json={"changes": {"mirror.robots": None}}).status_code == 200
+    assert live(service).robots == {}
+    assert http.patch("/settings", json={"changes": {"mirror.robots": 3}}).json()["field"] == "mirror.robots"
+
+
+def test_who_is_not_the_operator_changes_no_mirror(http: httpx.Client) -> None:
+    for method, path in (("PUT", "field"), ("PUT", "blue/3"), ("DELETE", "blue"), ("POST", "preview")):
+        answer = http.request(method, f"/mirrors/{path}", json=MIRROR, headers={"authorization": "Bearer nobody"})
+        assert answer.status_code == 401, answer.text
+    assert in_force(http)["field"] == (PAPER_MIRROR.a, "field", False)
+
+
 @pytest.mark.parametrize(
     ("scope", "field"),
     [("field", "mirror"), ("blue", "mirror.blue"), ("yellow/1", "mirror.robots.yellow 1")],
