@@ -101,7 +101,7 @@ def _around(options: PictureOptions, settings: "Settings") -> list[Pairs]:
                     scale=options.scale,
                     name=path.name,
                     progress=lambda what, share: progress.show(f"{share:.0%} {what}"),
-                )
+                ).pairs
             )
     finally:
         progress.show("")

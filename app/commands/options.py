@@ -27,7 +27,7 @@ def scope_from(text: str) -> "tuple[Team | None, int | None]":
     team, colon, number = text.partition(":")
     if text == FIELD:
         return None, None
-    if team not in list(Team) or colon and not (number.isdecimal() and 1 <= int(number) <= MAX_NUMBERS):
+    if team not in list(Team) or (colon and not (number.isdecimal() and 1 <= int(number) <= MAX_NUMBERS)):
         accepted = f"{FIELD}, blue, yellow, or a robot's team and number, blue:1 to yellow:{MAX_NUMBERS}"
         raise SettingsError("--for", found=text, accepted=accepted)
     return Team(team), int(number) if colon else None

@@ -8,7 +8,8 @@ from msgspec.structs import replace
 from typer.testing import CliRunner
 
 from app.cli import app
-from vision_core.calibration.job import MirrorJob, NamedPair, OnboardView, PictureFile
+from vision_core.calibration.job import MirrorJob, NamedPair, PairsJob, PictureFile
+from vision_core.calibration.mirror.from_views import EDGE_PX, MEASURED_MM
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import World
@@ -22,7 +23,7 @@ from vision_core.native.opencv import write_picture
 from vision_core.onboard.camera import OnboardCamera
 from vision_core.onboard.truth import first_solids
 from vision_core.settings.schema import Settings
-from vision_core.startup.mirror_pairs import pairs_for
+from vision_core.startup.mirror_pairs import find_pairs, pairs_for
 from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings
 
@@ -80,12 +81,15 @@ def test_pictures_of_both_cameras_give_the_mirror(taken: tuple[Settings, Path], 
 def test_a_job_takes_pairs_from_both_cameras(taken: tuple[Settings, Path]) -> None:
     settings, folder = taken
     picture = PictureFile(str(folder / "onboard-1.png"), "b.png")
-    view = OnboardView(picture, "", str(folder / "ceiling-1.png"), Team.BLUE, 1, None, 1.0)
     steps: list[str] = []
-    job = MirrorJob(settings, (NamedPair(61.5, 380.0, "the ball"),), (view,), Rounding.AUTO, None)
-    pairs = pairs_for(job, lambda what, _share: steps.append(what))
+    job = PairsJob(settings, picture, "", str(folder / "ceiling-1.png"), Team.BLUE, 1, None, 1.0)
+    found = find_pairs(job, lambda what, _share: steps.append(what))
+    pairs = pairs_for(MirrorJob(settings, (NamedPair(61.5, 380.0, "the ball"), *found.pairs), Rounding.AUTO, None))
     assert pairs.names[0] == "the ball"
+    assert pairs.shared[:2].tolist() == [[0.0, 0.0], [MEASURED_MM, EDGE_PX]]
     assert len(pairs) > 150
+    away = np.hypot(*(np.array(found.places_px) - (159.5, 119.5)).T)
+    assert away == pytest.approx(pairs.radii_px[1:])
     assert steps[0] == "looking what stands around the robot of b.png"
     off = pairs.measured_px - PAPER_MIRROR.px_from_mm(pairs.distances_mm)
     assert abs(np.median(off)) < 0.3

@@ -5,6 +5,7 @@ from typing import TypeAlias
 from msgspec import Struct
 
 from vision_core.calibration.mirror.fit import FocalPrior
+from vision_core.calibration.mirror.pairs import SharedError
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
@@ -48,11 +49,13 @@ class NamedPair(Struct, frozen=True):
     r_mm: float
     name: str
     """What messages call it."""
+    shared: SharedError = SharedError()
 
 
-class OnboardView(Struct, frozen=True):
-    """An on-board picture, and what stands around the robot."""
+class PairsJob(Struct, frozen=True, tag=True):
+    """Everything that stands around a robot in its on-board picture: ``FoundPairs``."""
 
+    settings: Settings
     picture: PictureFile
     text: str
     """CSV of directions and distances; empty: the ceiling camera's picture says it."""
@@ -65,6 +68,28 @@ class OnboardView(Struct, frozen=True):
     """Of the mirror's image; None: the picture's middle."""
     scale: float
     """Pixels of the picture per pixel of equation 1."""
+
+
+class FoundPairs(Struct, frozen=True):
+    """The pairs that a picture shows."""
+
+    pairs: tuple[NamedPair, ...]
+    places_px: tuple[tuple[float, float], ...]
+    """Of each in the picture."""
+
+
+class Rim(Struct, frozen=True):
+    """The circle of a mirror's rim [px of the picture]."""
+
+    column: float
+    row: float
+    radius_px: float
+
+
+class RimJob(Struct, frozen=True, tag=True):
+    """The mirror's place in an on-board picture: a ``Rim``."""
+
+    picture: PictureFile
 
 
 class EdgeJob(Struct, frozen=True, tag=True):
@@ -83,11 +108,10 @@ class MirrorJob(Struct, frozen=True, tag=True):
     settings: Settings
     """Their field is what the mirror has to resolve."""
     pairs: tuple[NamedPair, ...]
-    views: tuple[OnboardView, ...]
-    """Pictures that give further pairs."""
     rounding: Rounding
     prior: FocalPrior | None
     """Of the on-board camera; None: not known."""
 
 
-CalibrationJob: TypeAlias = CameraJob | LensJob | MirrorJob | EdgeJob
+ShortJob: TypeAlias = EdgeJob | RimJob
+CalibrationJob: TypeAlias = CameraJob | LensJob | MirrorJob | PairsJob | ShortJob

@@ -1,8 +1,8 @@
 """Short process beside a running service: calibrates the camera by pictures of the field, its lens by a board, or the
-mirror of the on-board cameras by pairs and pictures; or finds an edge in an on-board picture.
+mirror of the on-board cameras by pairs; or finds pairs, an edge or the mirror's rim in an on-board picture.
 
 Standard input has a ``CalibrationJob`` in msgpack. Standard output gets a ``JobStep`` per line; the last has the
-``Calibration``, ``LensCalibration``, ``MirrorCalibration`` or ``RadialEdge``, or an error.
+``Calibration``, ``LensCalibration``, ``MirrorCalibration``, ``FoundPairs``, ``RadialEdge`` or ``Rim``, or an error.
 """
 
 import os
@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from vision_core.calibration.board.lens import calibrate_lens
-from vision_core.calibration.job import CalibrationJob, CameraJob, EdgeJob, LensJob, MirrorJob
+from vision_core.calibration.job import CalibrationJob, CameraJob, EdgeJob, LensJob, MirrorJob, PairsJob, RimJob
 from vision_core.calibration.mirror.verdict import calibrate_mirror
 from vision_core.calibration.result import Progress
 from vision_core.calibration.solve import calibrate, from_other_end
@@ -22,7 +22,7 @@ from vision_core.errors import PslvError
 from vision_core.native.opencv import read_picture
 from vision_core.pipeline.calibration_check import checked_by_robots
 from vision_core.scheduling.attachment import end_with
-from vision_core.startup.mirror_pairs import find_edge, pairs_for
+from vision_core.startup.mirror_pairs import find_edge, find_mirror_rim, find_pairs, pairs_for
 from vision_core.types.job_step import JobStep
 
 
@@ -40,8 +40,12 @@ def run(job: CalibrationJob, progress: Progress) -> object:
     """The result of a job. Raises PslvError for pictures that cannot be read, and corners that no camera sees so."""
     if isinstance(job, EdgeJob):
         return find_edge(job)
+    if isinstance(job, RimJob):
+        return find_mirror_rim(job)
+    if isinstance(job, PairsJob):
+        return find_pairs(job, progress)
     if isinstance(job, MirrorJob):
-        return calibrate_mirror(pairs_for(job, progress), job.prior, job.settings.field, progress=progress)
+        return calibrate_mirror(pairs_for(job), job.prior, job.settings.field, progress=progress)
     pictures = [read_picture(Path(one.path)) for one in job.pictures]
     names = [one.name for one in job.pictures]
     if isinstance(job, LensJob):

@@ -1,4 +1,4 @@
-"""Calibrates the camera, its lens or a mirror in a process of its own; says how far it is, and keeps the results."""
+"""Calibrates camera, lens or mirror, or finds pairs, in a process of its own; says how far it is, keeps the results."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -8,7 +8,7 @@ import msgspec
 from app.web.background import BackgroundJob, JobState
 from app.web.calibration.pictures import CalibrationPictures, Shown
 from vision_core.calibration.board.result import LensCalibration
-from vision_core.calibration.job import CalibrationJob, CameraJob, LensJob, MirrorJob
+from vision_core.calibration.job import CalibrationJob, CameraJob, FoundPairs, LensJob, MirrorJob, PairsJob
 from vision_core.calibration.mirror.result import MirrorCalibration
 from vision_core.calibration.result import Calibration
 from vision_core.startup import CALIBRATE
@@ -22,6 +22,7 @@ class Work(StrEnum):
     CAMERA = "camera"
     LENS = "lens"
     MIRROR = "mirror"
+    PAIRS = "pairs"
 
 
 class CameraCalibration:
@@ -38,6 +39,8 @@ class CameraCalibration:
         """Of the present pictures of a board."""
         self.mirror: MirrorCalibration | None = None
         """Of the newest pairs."""
+        self.found: FoundPairs | None = None
+        """Around the robot in the newest picture that was looked at."""
         self._job = BackgroundJob("a calibration")
 
     @property
@@ -74,6 +77,10 @@ class CameraCalibration:
         """Begin with a mirror. Raises RequestRefused while another job runs."""
         self._start(Work.MIRROR, job)
 
+    def look(self, job: PairsJob) -> None:
+        """Begin to look around a robot. Raises RequestRefused while another job runs."""
+        self._start(Work.PAIRS, job)
+
     def cancel(self) -> None:
         """End the job that runs, if one does."""
         self._job.cancel()
@@ -90,5 +97,7 @@ class CameraCalibration:
             self.result = last.found(Calibration) if last else None
         elif self.work is Work.LENS:
             self.lens = last.found(LensCalibration) if last else None
+        elif self.work is Work.PAIRS:
+            self.found = last.found(FoundPairs) if last else None
         else:
             self.mirror = last.found(MirrorCalibration) if last else None

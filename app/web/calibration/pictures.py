@@ -51,6 +51,7 @@ class CalibrationPictures:
         self._lock = threading.RLock()
         self._pictures: dict[int, CalibrationPicture] = {}
         self._shown: dict[tuple[int, int], bytes] = {}
+        self._ceilings: dict[int, float] = {}
         self._made = 0
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -70,8 +71,8 @@ class CalibrationPictures:
         """Take a picture of the camera; shape (height, width, 3). Raises RequestRefused."""
         self.add(kind, name, encode_png(pixels))
 
-    def add(self, kind: Shown, name: str, data: bytes) -> None:
-        """Take a picture's file. Raises RequestRefused, naming it; all others stay."""
+    def add(self, kind: Shown, name: str, data: bytes) -> int:
+        """Take a picture's file; its number. Raises RequestRefused, naming it; all others stay."""
         called = f"picture {name[:NAME_LENGTH]}"
         if len(data) > MAX_FILE_BYTES:
             accepted = f"at most {MAX_FILE_BYTES / 1e6:.0f} MB"
@@ -96,14 +97,34 @@ class CalibrationPictures:
                 raise
             size = looked.width_px, looked.height_px
             self._pictures[self._made] = CalibrationPicture(self._made, kind, name[:NAME_LENGTH], path, size)
+            return self._made
 
-    def beside(self, name: str, pixels: Bytes) -> Path:
-        """Keep a picture that is none of them, until the next one of this name; shape (height, width, 3)."""
+    def keep_ceiling(self, number: int, pixels: Bytes, taken_s: float) -> None:
+        """Keep the ceiling camera's picture of the same instant beside a picture; shape (height, width, 3).
+
+        taken_s: when it was taken [seconds since 1970]. Raises RequestRefused without a picture of this number.
+        """
         with self._lock:
-            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            path = self._folder / name
-            path.write_bytes(encode_png(pixels))
-            return path
+            self._ceiling(number).write_bytes(encode_png(pixels))
+            self._ceilings[number] = taken_s
+
+    def ceiling_s(self, number: int) -> float | None:
+        """When the ceiling camera's picture beside one was taken [seconds since 1970]; None: there is none."""
+        return self._ceilings.get(number)
+
+    def ceiling(self, number: int) -> Path:
+        """The ceiling camera's picture beside one. Raises RequestRefused without one."""
+        if number not in self._ceilings:
+            raise RequestRefused(
+                HTTPStatus.CONFLICT,
+                f"what stands around the robot of {self.picture(number).name}",
+                found="no picture of the ceiling camera of its time",
+                accepted="one that is taken while the robot stands where it stood, or distances as text",
+            )
+        return self._ceiling(number)
+
+    def _ceiling(self, number: int) -> Path:
+        return self._folder / f"{self.picture(number).number}-ceiling.png"
 
     def file(self, number: int, kind: Shown) -> PictureFile:
         """One of them for a job. Raises RequestRefused when there is none of this number and kind."""
@@ -119,6 +140,8 @@ class CalibrationPictures:
         """Take a picture out. Raises RequestRefused."""
         with self._lock:
             self.picture(number).path.unlink(missing_ok=True)
+            self._ceiling(number).unlink(missing_ok=True)
+            self._ceilings.pop(number, None)
             del self._pictures[number]
             self._shown = {key: data for key, data in self._shown.items() if key[0] != number}
 

@@ -152,7 +152,7 @@ class Configuration:
         return {key: value for key, value in {**self._entries, **values}.items() if value is not None}
 
     def _by_table(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The same change, in which every table of the user's own tables has an entry of its own: one place for each."""
+        """The same change, in which each of the user's own tables has an entry of its own: one place for each."""
         found = dict(values)
         for key in map(setting, OF_WHOLE):
             tables = found.get(key)

@@ -37,7 +37,7 @@ FILE_BODY: dict[str, Any] = {
 FILES = frozenset({"/api/v1/new-venue/pictures", "/api/v1/calibration/pictures"})
 MAX_BODIES = {
     "/api/v1/settings/import": 256 * 1024,
-    **dict.fromkeys(("/api/v1/calibration/mirror", "/api/v1/calibration/mirror/pairs"), 2 * 1024 * 1024),
+    **{f"/api/v1/calibration/mirror{path}": 2 * 1024 * 1024 for path in ("", "/pairs", "/around")},
     **dict.fromkeys(FILES, MAX_FILE_BYTES),
 }
 POLICY_VIOLATION = 1008

@@ -1,14 +1,12 @@
 """A calibration of the camera, its lens or a mirror, as the page draws it."""
 
-from collections.abc import Sequence
-
 from msgspec import to_builtins
 
 from app.web.background import JobState
 from app.web.calibration.job import CameraCalibration, Work
-from app.web.calibration.pictures import CalibrationPicture, Shown
+from app.web.calibration.pictures import CalibrationPictures, Shown
 from app.web.reports.base import Report
-from app.web.reports.mirror import MirrorResult, mirror_from
+from app.web.reports.mirror import FoundPairReport, MirrorResult, found_from, mirror_from
 from app.web.reports.reasons import ReasonReport, finite, reasons_from
 from vision_core.calibration.board.result import LensCalibration
 from vision_core.calibration.result import Calibration
@@ -111,6 +109,8 @@ class CalibrationPictureReport(Report):
     name: str
     width_px: int
     height_px: int
+    ceiling_s: float | None
+    """When the ceiling camera's picture beside an on-board one was taken [seconds since 1970]; null: there is none."""
 
 
 class CalibrationReport(Report):
@@ -123,7 +123,7 @@ class CalibrationReport(Report):
     onboard: list[CalibrationPictureReport]
     """Of a robot's own camera."""
     work: Work
-    """What the newest job does: camera, lens or mirror."""
+    """What the newest job does: camera, lens, mirror or pairs."""
     state: JobState
     """none, running, done (with a result, accepted or refused), failed (see error) or cancelled."""
     what: str
@@ -134,6 +134,8 @@ class CalibrationReport(Report):
     result: CalibrationResult | None
     lens: LensResult | None
     mirror: MirrorResult | None
+    found: list[FoundPairReport] | None
+    """Around the robot in the on-board picture that was looked at last; null: nothing was."""
     held_focal_px: float | None
     """Focal length of the lens that the settings have (camera.lens), which holds; null: they have none."""
 
@@ -142,9 +144,9 @@ def calibration_from(job: CameraCalibration, settings: Settings) -> CalibrationR
     """The report of the newest job. settings: with the changes that wait for a restart."""
     step, held = job.step, settings.camera.lens
     return CalibrationReport(
-        pictures=_pictures(job.pictures.of(Shown.FIELD)),
-        boards=_pictures(job.pictures.of(Shown.BOARD)),
-        onboard=_pictures(job.pictures.of(Shown.ONBOARD)),
+        pictures=_pictures(job.pictures, Shown.FIELD),
+        boards=_pictures(job.pictures, Shown.BOARD),
+        onboard=_pictures(job.pictures, Shown.ONBOARD),
         work=job.work,
         state=job.state,
         what=step.what,
@@ -153,14 +155,21 @@ def calibration_from(job: CameraCalibration, settings: Settings) -> CalibrationR
         result=None if job.result is None else _result(job.result),
         lens=None if job.lens is None else _lens(job.lens),
         mirror=None if job.mirror is None else mirror_from(job.mirror),
+        found=None if job.found is None else found_from(job.found),
         held_focal_px=None if held is None else held.focal_px,
     )
 
 
-def _pictures(pictures: Sequence[CalibrationPicture]) -> list[CalibrationPictureReport]:
+def _pictures(pictures: CalibrationPictures, kind: Shown) -> list[CalibrationPictureReport]:
     return [
-        CalibrationPictureReport(number=one.number, name=one.name, width_px=one.size_px[0], height_px=one.size_px[1])
-        for one in pictures
+        CalibrationPictureReport(
+            number=one.number,
+            name=one.name,
+            width_px=one.size_px[0],
+            height_px=one.size_px[1],
+            ceiling_s=pictures.ceiling_s(one.number),
+        )
+        for one in pictures.of(kind)
     ]
 
 

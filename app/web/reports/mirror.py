@@ -1,4 +1,4 @@
-"""A mirror that was fitted to pairs, as the page draws it."""
+"""A mirror that was fitted to pairs, and pairs that were found in a picture, as the page draws them."""
 
 import numpy as np
 from msgspec import to_builtins
@@ -6,7 +6,21 @@ from msgspec import to_builtins
 from app.web.reports.base import Report
 from app.web.reports.mirrors import MirrorShape, shape_of
 from app.web.reports.reasons import ReasonReport, finite, reasons_from
+from vision_core.calibration.job import FoundPairs
 from vision_core.calibration.mirror.result import MirrorCalibration
+
+
+class FoundPairReport(Report):
+    """A pair that was found in an on-board picture."""
+
+    name: str
+    r_px: float
+    r_mm: float
+    shared_mm: float
+    """Standard deviations of the errors that it shares with the others, for the request of a fit."""
+    shared_px: float
+    place_px: tuple[float, float]
+    """In the picture."""
 
 
 class PairReport(Report):
@@ -80,6 +94,21 @@ def mirror_from(result: MirrorCalibration) -> MirrorResult:
         band_px=finite(result.band_px),
         condition=finite(result.condition),
     )
+
+
+def found_from(found: FoundPairs) -> list[FoundPairReport]:
+    """The report of the pairs of a picture."""
+    return [
+        FoundPairReport(
+            name=pair.name,
+            r_px=pair.r_px,
+            r_mm=pair.r_mm,
+            shared_mm=pair.shared.distance_mm,
+            shared_px=pair.shared.radius_px,
+            place_px=place,
+        )
+        for pair, place in zip(found.pairs, found.places_px, strict=True)
+    ]
 
 
 def _constants(result: MirrorCalibration) -> ConstantsReport | None:

@@ -11,6 +11,7 @@ from msgspec import to_builtins
 from pydantic import ConfigDict, Field
 
 from app.web.blackboard import Blackboard
+from app.web.calibration.ceiling import keep_ceiling
 from app.web.calibration.job import CameraCalibration
 from app.web.calibration.pictures import Shown
 from app.web.configuration.configuration import Configuration
@@ -71,10 +72,12 @@ def _picture_routes(
     @router.post("/pictures", openapi_extra=FILE_BODY)
     async def add(request: Request, of: Shown, name: Annotated[str, Query(max_length=200)]) -> CalibrationReport:
         """Takes one picture's file, at most 32 MB, as application/octet-stream. A bad one is refused with its name,
-        and the others stay."""
+        and the others stay. Beside an on-board picture the ceiling camera's newest one is kept."""
         job.check_idle()
         data = await request.body()
-        await asyncio.to_thread(job.pictures.add, of, name, data)
+        number = await asyncio.to_thread(job.pictures.add, of, name, data)
+        if of is Shown.ONBOARD:
+            await asyncio.to_thread(keep_ceiling, job.pictures, number, blackboard)
         job.forget(of)
         return calibration_from(job, configuration.settings)
 

@@ -1,11 +1,10 @@
-"""``/api/v1/calibration/mirror``: fit the mirror of the on-board cameras to pairs. Nothing takes effect here.
+"""``/api/v1/calibration/mirror``: pairs from on-board pictures, and a mirror through pairs. Nothing takes effect here.
 
-A fit runs as the other calibrations do: one at a time, in a process of its own; ``GET /api/v1/calibration`` says how
-far it is and has the result.
+A fit and the search for pairs run as the other calibrations do: one at a time, in a process of their own; ``GET
+/api/v1/calibration`` says how far they are and has the result. An edge and a rim are answered at once.
 """
 
 import math
-from collections.abc import Sequence
 from http import HTTPStatus
 from typing import Annotated
 
@@ -13,24 +12,23 @@ from fastapi import APIRouter, HTTPException
 from pydantic import ConfigDict, Field
 
 from app.web.blackboard import Blackboard
+from app.web.calibration.ceiling import keep_ceiling
 from app.web.calibration.job import CameraCalibration
-from app.web.calibration.pictures import MAX_PICTURES, CalibrationPictures, Shown
+from app.web.calibration.pictures import Shown
 from app.web.configuration.configuration import Configuration
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.calibration import CalibrationReport, calibration_from
 from app.web.venue.asking import asked, refused
-from vision_core.calibration.job import EdgeJob, MirrorJob, NamedPair, OnboardView
+from vision_core.calibration.job import EdgeJob, MirrorJob, NamedPair, PairsJob, Rim, RimJob
 from vision_core.calibration.mirror.fit import focal_prior
-from vision_core.calibration.mirror.pairs import MAX_BYTES, MAX_PAIRS, Pairs, pairs_from_text, pairs_of
+from vision_core.calibration.mirror.pairs import MAX_BYTES, MAX_PAIRS, Pairs, SharedError, pairs_from_text, pairs_of
 from vision_core.calibration.mirror.rounding import Rounding
 from vision_core.calibration.mirror.target_edge import RadialEdge
 from vision_core.types.objects import Team
 from vision_core.types.tables import MAX_NUMBERS
 
-CEILING = "ceiling.png"
-"""The newest picture of the camera in use, for the job."""
-Name = Annotated[str, Field(max_length=60)]
+Name = Annotated[str, Field(max_length=100)]
 
 
 class TypedPair(Report):
@@ -42,6 +40,10 @@ class TypedPair(Report):
     r_mm: float
     name: Name = ""
     """What messages call it; empty: "row 1" and so on."""
+    shared_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    """Standard deviation of an error of the distance that all pairs which have one share; 0: measured alone."""
+    shared_px: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    """The same of the radius."""
 
 
 Place = tuple[float, float]
@@ -49,7 +51,7 @@ Scale = Annotated[float, Field(ge=0.01, le=100.0)]
 
 
 class AroundRequest(Report):
-    """An on-board picture, taken while the robot stands still, and what stands around it."""
+    """An on-board picture, and what stands around the robot."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -57,13 +59,29 @@ class AroundRequest(Report):
     """Number of a picture of kind onboard."""
     team: Team = Team.BLUE
     number: Annotated[int, Field(ge=1, le=MAX_NUMBERS)] = 1
-    """Of the robot: where it stands, and what around it, is measured in the newest picture of the camera in use."""
+    """Of the robot: where it stands, and what around it, is measured in the ceiling camera's picture beside it."""
     text: Annotated[str, Field(max_length=MAX_BYTES)] = ""
     """Directions [deg, anticlockwise from the heading] and distances [mm] as CSV, instead of measuring them."""
     center_px: Place | None = None
     """Of the mirror's image; null: the picture's middle."""
     scale: Scale = 1.0
     """Pixels of the picture per pixel of equation 1."""
+
+
+class RimRequest(Report):
+    """Where the mirror is in an on-board picture."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    picture: int
+    """Number of a picture of kind onboard."""
+
+
+class RimReport(Report):
+    """The mirror's round rim, in the picture."""
+
+    center_px: Place
+    radius_px: float
 
 
 class EdgeRequest(Report):
@@ -92,15 +110,13 @@ class EdgeReport(Report):
 
 
 class MirrorRequest(Report):
-    """Pairs, typed, as text or from pictures, and what is known of the on-board camera."""
+    """Pairs, typed, as text or found in pictures, and what is known of the on-board camera."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     pairs: Annotated[tuple[TypedPair, ...], Field(max_length=MAX_PAIRS)] = ()
     text: Annotated[str, Field(max_length=MAX_BYTES)] = ""
     """Pasted, or a CSV file: radius [px] and distance [mm], or a header that names the units. Beside pairs or alone."""
-    around: Annotated[tuple[AroundRequest, ...], Field(max_length=MAX_PICTURES)] = ()
-    """Pictures that give hundreds of pairs each, beside those or alone."""
     rounding: Rounding = Rounding.AUTO
     """Are radii cut to whole numbers? int: yes, as in ``see``; exact: no; auto: if all of them are whole."""
     focal_px: Annotated[float, Field(ge=1.0, le=1e5)] | None = None
@@ -128,18 +144,41 @@ def add_mirror_routes(
 ) -> None:
     """Fitting a mirror."""
 
+    @router.post("/pictures/{number}/ceiling")
+    def ceiling(number: int) -> CalibrationReport:
+        """Keeps the newest picture of the camera in use beside an on-board picture, as that of the same instant. The
+        one that was newest when the on-board picture was given is there before."""
+        job.pictures.file(number, Shown.ONBOARD)
+        if not keep_ceiling(job.pictures, number, blackboard):
+            raise HTTPException(HTTPStatus.SERVICE_UNAVAILABLE, "no image yet")
+        return calibration_from(job, configuration.settings)
+
     @router.post("/mirror", status_code=HTTPStatus.ACCEPTED)
     def fit(wanted: MirrorRequest) -> CalibrationReport:
         """Begins with a mirror; GET says how far it is, and has curve, band and residuals then. Nothing changes.
         A pair that is none is refused at once, with its row or line."""
         pairs = _pairs(wanted)
-        rows = zip(pairs.radii_px.tolist(), pairs.distances_mm.tolist(), pairs.names, strict=True)
+        shared = [SharedError(*both) for both in pairs.shared.tolist()]
+        rows = zip(pairs.radii_px.tolist(), pairs.distances_mm.tolist(), pairs.names, shared, strict=True)
         prior = None if wanted.focal_px is None else focal_prior(wanted.focal_px, wanted.focal_deviation_px)
         typed = tuple(NamedPair(*row) for row in rows)
-        job.check_idle()
-        views = _views(wanted.around, job.pictures, blackboard)
-        job.fit(MirrorJob(configuration.settings, typed, views, pairs.rounding, prior))
+        job.fit(MirrorJob(configuration.settings, typed, pairs.rounding, prior))
         return calibration_from(job, configuration.settings)
+
+    @router.post("/mirror/around", status_code=HTTPStatus.ACCEPTED)
+    def around(wanted: AroundRequest) -> CalibrationReport:
+        """Begins to look for the edges of everything that stands around a robot; GET has hundreds of pairs then."""
+        picture = job.pictures.file(wanted.picture, Shown.ONBOARD)
+        ceiling = "" if wanted.text else str(job.pictures.ceiling(wanted.picture))
+        settings, robot = configuration.settings, (wanted.team, wanted.number)
+        job.look(PairsJob(settings, picture, wanted.text, ceiling, *robot, wanted.center_px, wanted.scale))
+        return calibration_from(job, settings)
+
+    @router.post("/mirror/rim")
+    def rim(wanted: RimRequest) -> RimReport:
+        """Finds the mirror's rim before the dark outside: its middle is the center of radii."""
+        found = asked(RimJob(job.pictures.file(wanted.picture, Shown.ONBOARD)), Rim, "the mirror's rim")
+        return RimReport(center_px=(found.column, found.row), radius_px=found.radius_px)
 
     @router.post("/mirror/edge")
     def edge(wanted: EdgeRequest) -> EdgeReport:
@@ -162,30 +201,6 @@ def add_mirror_routes(
         return PairsReport(pairs=[TypedPair(r_px=px, r_mm=mm, name=name) for px, mm, name in rows])
 
 
-def _views(
-    around: Sequence[AroundRequest], pictures: CalibrationPictures, blackboard: Blackboard
-) -> tuple[OnboardView, ...]:
-    """Pictures with what stands around their robots. Raises RequestRefused, and HTTPException without an image yet."""
-    ceiling = ""
-    if any(not one.text for one in around):
-        newest = blackboard.picture()
-        if newest is None:
-            raise HTTPException(HTTPStatus.SERVICE_UNAVAILABLE, "no image yet")
-        ceiling = str(pictures.beside(CEILING, newest.pixels))
-    return tuple(
-        OnboardView(
-            pictures.file(one.picture, Shown.ONBOARD),
-            one.text,
-            ceiling,
-            one.team,
-            one.number,
-            one.center_px,
-            one.scale,
-        )
-        for one in around
-    )
-
-
 def _pairs(wanted: MirrorRequest) -> Pairs:
     """Raises RequestRefused naming the row or line."""
     if wanted.focal_px is None and wanted.focal_deviation_px is not None:
@@ -199,7 +214,7 @@ def _pairs(wanted: MirrorRequest) -> Pairs:
     with refused(HTTPStatus.UNPROCESSABLE_ENTITY, "pairs"):
         rows = [(pair.r_px, pair.r_mm) for pair in wanted.pairs]
         names = [pair.name or f"row {number}" for number, pair in enumerate(wanted.pairs, start=1)]
-        typed = pairs_of(rows, names, wanted.rounding)
+        typed = pairs_of(rows, names, wanted.rounding, [SharedError(p.shared_mm, p.shared_px) for p in wanted.pairs])
     if not wanted.text.strip():
         return typed
     with refused(HTTPStatus.UNPROCESSABLE_ENTITY, "text"):

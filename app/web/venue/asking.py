@@ -9,7 +9,7 @@ import msgspec
 
 from app.web.background import ask
 from app.web.problems import RequestRefused
-from vision_core.calibration.job import EdgeJob
+from vision_core.calibration.job import ShortJob
 from vision_core.errors import PslvError
 from vision_core.setup.jobs import SetupJob
 from vision_core.startup import CALIBRATE, SET_UP
@@ -17,9 +17,9 @@ from vision_core.startup import CALIBRATE, SET_UP
 T = TypeVar("T")
 
 
-def asked(job: SetupJob | EdgeJob, form: type[T], what: str) -> T:
+def asked(job: SetupJob | ShortJob, form: type[T], what: str) -> T:
     """What a short job finds. what: what messages call it. Raises RequestRefused."""
-    step = ask(CALIBRATE if isinstance(job, EdgeJob) else SET_UP, msgspec.msgpack.encode(job), what)
+    step = ask(CALIBRATE if isinstance(job, ShortJob) else SET_UP, msgspec.msgpack.encode(job), what)
     found = step.found(form)
     if found is None:
         question, found_words, accepted = _parts(step.error, what)

@@ -49,7 +49,7 @@ def test_a_drawn_picture_with_a_painted_line_and_a_few_wrong_distances() -> None
     picture = around(PAPER_MIRROR.px_from_mm(walls), line_px=40.0)
     said = walls.copy()
     said[100:115], said[200:210] = 700.0, np.inf
-    pairs = pairs_around(picture, Surroundings(np.radians(DIRECTIONS), said), name="a.png")
+    pairs = pairs_around(picture, Surroundings(np.radians(DIRECTIONS), said), name="a.png").pairs
     assert len(pairs) > 300
     assert "a.png at 42 degrees" in pairs.names
     result = calibrate_mirror(pairs, None)
@@ -100,7 +100,7 @@ def test_a_line_along_near_walls_is_known_or_counts_in_the_band() -> None:
     for measure in (camera, floor):
         feet = np.array(first_solids(measure.scene(snapshot), DIRECTIONS).foot_mm)
         feet[feet < camera.nearest_floor_m * MM_PER_M] = np.inf
-        pairs = pairs_around(picture, Surroundings(np.radians(DIRECTIONS), feet), scale=camera.scale)
+        pairs = pairs_around(picture, Surroundings(np.radians(DIRECTIONS), feet), scale=camera.scale).pairs
         results.append(calibrate_mirror(pairs, None))
     walls, ends = results
     assert error_px(walls, camera.mirror) > 0.8, "the line is taken for the wall"
@@ -127,7 +127,7 @@ def test_a_mirror_is_recovered_from_one_rendered_picture(mirror: Mirror) -> None
     feet = np.array(first_solids(scene, DIRECTIONS).foot_mm)
     feet[feet < camera.nearest_floor_m * MM_PER_M] = np.inf
     around_robot = Surroundings(np.radians(DIRECTIONS), feet)
-    pairs = pairs_around(camera.exact_picture(scene), around_robot, scale=camera.scale)
+    pairs = pairs_around(camera.exact_picture(scene), around_robot, scale=camera.scale).pairs
     assert len(pairs) > 300
     result = calibrate_mirror(pairs, None)
     assert result.accepted, result.reasons

@@ -90,9 +90,11 @@ class MirrorFit:
 
     def deviation_px(self, distances_mm: Floats) -> Floats:
         """Standard deviation of the curve at distances on the floor, shape (n,) [mm] -> (n,) [px]."""
-        design = jacobian(self.logs, distances_mm)
-        deviation: Floats = np.sqrt(np.einsum("np,pq,nq->n", design, self.covariance, design).clip(min=0.0))
-        return deviation
+        return self._spread_px(self.covariance, distances_mm)
+
+    def shared_deviation_px(self, distances_mm: Floats) -> Floats:
+        """The same by the errors that pairs share."""
+        return self._spread_px(self.shared_covariance, distances_mm)
 
     def constants_covariance(self) -> Floats:
         """Of A, B, C by the chain rule, shape (3, 3)."""
@@ -103,6 +105,11 @@ class MirrorFit:
         )
         covariance: Floats = chain @ self.covariance @ chain.T
         return covariance
+
+    def _spread_px(self, covariance: Floats, distances_mm: Floats) -> Floats:
+        design = jacobian(self.logs, distances_mm)
+        spread: Floats = np.sqrt(np.einsum("np,pq,nq->n", design, covariance, design).clip(min=0.0))
+        return spread
 
 
 def fit_mirror(pairs: Pairs, prior: FocalPrior) -> MirrorFit:

@@ -103,6 +103,15 @@ class Surroundings:
         return Surroundings(self.directions_rad[known], self.distances_mm[known], self.shared_mm)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PairsAround:
+    """What a picture shows around a robot."""
+
+    pairs: Pairs
+    directions_rad: Floats
+    """Of each pair, anticlockwise from the heading, shape (n,)."""
+
+
 def pairs_around(
     pixels: Bytes,
     around: Surroundings,
@@ -111,7 +120,7 @@ def pairs_around(
     scale: float = 1.0,
     name: str = "the picture",
     progress: Progress = no_progress,
-) -> Pairs:
+) -> PairsAround:
     """The pairs that an on-board picture shows, shape (height, width, 3).
 
     center_px: of the mirror's image; None: the picture's middle. scale: pixels of the picture per pixel of equation 1;
@@ -129,13 +138,13 @@ def pairs_around(
     edges = _without_rings(_floor_ends(profiles, center, min(pixels.shape[:2]) / 2.0) / scale)
     predicted = _guessed(edges, known.distances_mm)
     shared = SharedError(known.shared_mm, EDGE_PX / scale)
-    pairs = _nearest(edges, predicted, NEAR_PX, known, name, shared)
+    found = _nearest(edges, predicted, NEAR_PX, known, name, shared)
     for _ in range(REFINED):
-        _check(len(pairs), len(edges), name)
-        predicted = radii_of(fit_mirror(pairs, FocalPrior()).shape, known.distances_mm)
-        pairs = _nearest(edges, predicted, MATCH_PX, known, name, shared)
-    _check(len(pairs), len(edges), name)
-    return pairs
+        _check(len(found.pairs), len(edges), name)
+        predicted = radii_of(fit_mirror(found.pairs, FocalPrior()).shape, known.distances_mm)
+        found = _nearest(edges, predicted, MATCH_PX, known, name, shared)
+    _check(len(found.pairs), len(edges), name)
+    return found
 
 
 def _floor_ends(profiles: Sequence[Profile], center_px: Point, reach_px: float) -> Floats:
@@ -214,15 +223,16 @@ def _met(edges_px: Floats, guesses_px: Floats) -> Floats:
 
 def _nearest(
     edges_px: Floats, predicted_px: Floats, reach_px: float, known: Surroundings, name: str, shared: SharedError
-) -> Pairs:
+) -> PairsAround:
     """The edges nearest to a mirror's radii, where they are near."""
     off = np.abs(edges_px - predicted_px[:, None])
     off[~np.isfinite(off)] = np.inf
     nearest = off.argmin(axis=1)
     rows = np.flatnonzero(off.min(axis=1) <= reach_px)
     pairs = [(float(edges_px[row, nearest[row]]), float(known.distances_mm[row])) for row in rows.tolist()]
-    degrees = np.degrees(known.directions_rad[rows])
-    return pairs_of(pairs, [f"{name} at {degree:.0f} degrees" for degree in degrees], Rounding.EXACT, shared)
+    directions = known.directions_rad[rows]
+    names = [f"{name} at {degree:.0f} degrees" for degree in np.degrees(directions)]
+    return PairsAround(pairs_of(pairs, names, Rounding.EXACT, [shared] * len(pairs)), directions)
 
 
 def _check(matched: int, of: int, name: str) -> None:

@@ -75,9 +75,12 @@ def pairs_of(
     rows: Sequence[tuple[float, float]],
     names: Sequence[str] = (),
     rounding: Rounding = Rounding.AUTO,
-    shared: SharedError = SharedError(),
+    shared: Sequence[SharedError] = (),
 ) -> Pairs:
-    """Typed pairs (R px, r mm). names: what messages call them; () for "row 1" and so on. Raises SettingsError."""
+    """Pairs (R px, r mm). names: what messages call them; () for "row 1" and so on. Raises SettingsError.
+
+    shared: errors of each that it shares with others; () for none.
+    """
     called = tuple(names) or tuple(f"row {number}" for number in range(1, len(rows) + 1))
     if len(rows) > MAX_PAIRS:
         raise SettingsError("pairs", found=f"{len(rows)} of them", accepted=f"at most {MAX_PAIRS}")
@@ -85,7 +88,9 @@ def pairs_of(
         _check(name, "R", radius, MAX_RADIUS_PX, "px")
         _check(name, "r", distance, MAX_DISTANCE_MM, "mm")
     columns = np.array(rows, dtype=np.float64).reshape(-1, 2)
-    errors = np.tile([shared.distance_mm, shared.radius_px], (len(rows), 1))
+    errors = np.zeros_like(columns)
+    if shared:
+        errors[:] = [(one.distance_mm, one.radius_px) for one in shared]
     return Pairs(columns[:, 0].copy(), columns[:, 1].copy(), called, rounding, errors)
 
 

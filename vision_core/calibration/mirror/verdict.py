@@ -139,7 +139,7 @@ def _notes(pairs: Pairs, prior: FocalPrior | None, fit: MirrorFit) -> Iterator[s
         )
     if (band := _band_px(fit)) > BAND_PX:
         yield f"add pairs near {_widest_mm(fit):.0f} mm: there the curve is only known to {band:.1f} px"
-    if np.trace(fit.shared_covariance) > np.trace(fit.noise_covariance):
+    if fit.shared_deviation_px(SPAN_MM).max() > fit.deviation_px(SPAN_MM).max() / np.sqrt(2.0):
         yield (
             f"all pairs of pictures share errors, of distances up to {pairs.shared[:, 0].max():g} mm: more pictures do"
             " not make the band narrower"

@@ -198,6 +198,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calibration/mirror/around": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Around
+         * @description Begins to look for the edges of everything that stands around a robot; GET has hundreds of pairs then.
+         */
+        post: operations["around_api_v1_calibration_mirror_around_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calibration/mirror/edge": {
         parameters: {
             query?: never;
@@ -238,6 +258,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calibration/mirror/rim": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Rim
+         * @description Finds the mirror's rim before the dark outside: its middle is the center of radii.
+         */
+        post: operations["rim_api_v1_calibration_mirror_rim_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calibration/pictures": {
         parameters: {
             query?: never;
@@ -250,7 +290,7 @@ export interface paths {
         /**
          * Add
          * @description Takes one picture's file, at most 32 MB, as application/octet-stream. A bad one is refused with its name,
-         *     and the others stay.
+         *     and the others stay. Beside an on-board picture the ceiling camera's newest one is kept.
          */
         post: operations["add_api_v1_calibration_pictures_post"];
         /**
@@ -317,6 +357,27 @@ export interface paths {
         get: operations["shown_api_v1_calibration_pictures__number__jpg_get"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calibration/pictures/{number}/ceiling": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Ceiling
+         * @description Keeps the newest picture of the camera in use beside an on-board picture, as that of the same instant. The
+         *     one that was newest when the on-board picture was given is there before.
+         */
+        post: operations["ceiling_api_v1_calibration_pictures__number__ceiling_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1873,7 +1934,7 @@ export interface components {
         };
         /**
          * AroundRequest
-         * @description An on-board picture, taken while the robot stands still, and what stands around it.
+         * @description An on-board picture, and what stands around the robot.
          */
         AroundRequest: {
             /**
@@ -1886,7 +1947,7 @@ export interface components {
             ] | null;
             /**
              * Number
-             * @description Of the robot: where it stands, and what around it, is measured in the newest picture of the camera in use.
+             * @description Of the robot: where it stands, and what around it, is measured in the ceiling camera's picture beside it.
              * @default 1
              */
             number: number;
@@ -2002,6 +2063,11 @@ export interface components {
          * @description A picture to calibrate by.
          */
         CalibrationPictureReport: {
+            /**
+             * Ceiling S
+             * @description When the ceiling camera's picture beside an on-board one was taken [seconds since 1970]; null: there is none.
+             */
+            ceiling_s: number | null;
             /** Height Px */
             height_px: number;
             /** Name */
@@ -2023,6 +2089,11 @@ export interface components {
             boards: components["schemas"]["CalibrationPictureReport"][];
             /** Error */
             error: string;
+            /**
+             * Found
+             * @description Around the robot in the on-board picture that was looked at last; null: nothing was.
+             */
+            found: components["schemas"]["FoundPairReport"][] | null;
             /**
              * Held Focal Px
              * @description Focal length of the lens that the settings have (camera.lens), which holds; null: they have none.
@@ -2053,7 +2124,7 @@ export interface components {
              * @description What is being done.
              */
             what: string;
-            /** @description What the newest job does: camera, lens or mirror. */
+            /** @description What the newest job does: camera, lens, mirror or pairs. */
             work: components["schemas"]["Work"];
         };
         /**
@@ -3037,6 +3108,33 @@ export interface components {
             rms_px: number | null;
         };
         /**
+         * FoundPairReport
+         * @description A pair that was found in an on-board picture.
+         */
+        FoundPairReport: {
+            /** Name */
+            name: string;
+            /**
+             * Place Px
+             * @description In the picture.
+             */
+            place_px: [
+                number,
+                number
+            ];
+            /** R Mm */
+            r_mm: number;
+            /** R Px */
+            r_px: number;
+            /**
+             * Shared Mm
+             * @description Standard deviations of the errors that it shares with the others, for the request of a fit.
+             */
+            shared_mm: number;
+            /** Shared Px */
+            shared_px: number;
+        };
+        /**
          * GoalMeasures
          * @description Both goals [m].
          */
@@ -3632,15 +3730,9 @@ export interface components {
         };
         /**
          * MirrorRequest
-         * @description Pairs, typed, as text or from pictures, and what is known of the on-board camera.
+         * @description Pairs, typed, as text or found in pictures, and what is known of the on-board camera.
          */
         MirrorRequest: {
-            /**
-             * Around
-             * @description Pictures that give hundreds of pairs each, beside those or alone.
-             * @default []
-             */
-            around: components["schemas"]["AroundRequest"][];
             /**
              * Focal Deviation Px
              * @description Its standard deviation; null: a tenth of it.
@@ -4227,6 +4319,30 @@ export interface components {
          * @enum {string}
          */
         RestartState: "none" | "checking" | "refused" | "restarting";
+        /**
+         * RimReport
+         * @description The mirror's round rim, in the picture.
+         */
+        RimReport: {
+            /** Center Px */
+            center_px: [
+                number,
+                number
+            ];
+            /** Radius Px */
+            radius_px: number;
+        };
+        /**
+         * RimRequest
+         * @description Where the mirror is in an on-board picture.
+         */
+        RimRequest: {
+            /**
+             * Picture
+             * @description Number of a picture of kind onboard.
+             */
+            picture: number;
+        };
         /**
          * RobotBody
          * @description The outline of a team's robots.
@@ -4874,6 +4990,18 @@ export interface components {
             r_mm: number;
             /** R Px */
             r_px: number;
+            /**
+             * Shared Mm
+             * @description Standard deviation of an error of the distance that all pairs which have one share; 0: measured alone.
+             * @default 0
+             */
+            shared_mm: number;
+            /**
+             * Shared Px
+             * @description The same of the radius.
+             * @default 0
+             */
+            shared_px: number;
         };
         /** ValidationError */
         ValidationError: {
@@ -4975,7 +5103,7 @@ export interface components {
          * @description What is calibrated.
          * @enum {string}
          */
-        Work: "" | "camera" | "lens" | "mirror";
+        Work: "" | "camera" | "lens" | "mirror" | "pairs";
         /**
          * Kind
          * @description What an entry tells.
@@ -5795,6 +5923,75 @@ export interface operations {
             };
         };
     };
+    around_api_v1_calibration_mirror_around_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AroundRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     edge_api_v1_calibration_mirror_edge_post: {
         parameters: {
             query?: never;
@@ -5884,6 +6081,75 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PairsReport"];
+                };
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    rim_api_v1_calibration_mirror_rim_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RimRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RimReport"];
                 };
             };
             /** @description Nobody is logged in */
@@ -6225,6 +6491,73 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    ceiling_api_v1_calibration_pictures__number__ceiling_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationReport"];
+                };
             };
             /** @description Nobody is logged in */
             401: {

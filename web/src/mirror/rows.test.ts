@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { emptyRows, isBlock, pairsOf, rowOf, withPasted } from "./rows";
+import { emptyRows, isBlock, pairsOf, pairsOfGroups, rowOf, spanOf, withGroup, withPasted, type PictureGroup } from "./rows";
 
 describe("pairs of the table", () => {
   it("reads decimal commas, skips empty rows and keeps their numbers", () => {
@@ -22,5 +22,13 @@ describe("pairs of the table", () => {
   it("puts pasted rows behind those that are there", () => {
     const pasted = { pairs: [{ r_px: 44, r_mm: 220, name: "line 1" }] };
     expect(withPasted([{ r_mm: "110", r_px: "25" }, ...emptyRows(3)], pasted).map((row) => row.r_mm)).toEqual(["110", "220", ""]);
+  });
+  it("has the pairs of a picture once, and asks for them without their places", () => {
+    const pair = { name: "a.png at 3 degrees", r_px: 60, r_mm: 370.4, shared_mm: 0.5, shared_px: 0.1, place_px: [1, 2] as [number, number] };
+    const group: PictureGroup = { picture: 7, name: "a.png", whose: "blue 3", pairs: [pair, { ...pair, r_mm: 110 }] };
+    const groups = withGroup(withGroup([], { ...group, pairs: [] }), group);
+    expect(groups).toEqual([group]);
+    expect(spanOf(group)).toBe("2 pairs, 110 to 370 mm");
+    expect(pairsOfGroups(groups)[0]).toEqual({ name: "a.png at 3 degrees", r_px: 60, r_mm: 370.4, shared_mm: 0.5, shared_px: 0.1 });
   });
 });

@@ -1,6 +1,6 @@
 // The pairs of the table: cells as they are typed, read as numbers, and the row that a message is about.
 
-import type { MirrorPairs } from "../api/types";
+import type { FoundPair } from "../api/types";
 
 export interface Row {
   r_mm: string;
@@ -41,7 +41,28 @@ export const rowOf = (asked: string | undefined) => Number(/\brow (\d+)/.exec(as
 export const isBlock = (text: string) => /[\t;\n]|\d\s*,\s+\d/.test(text.trim());
 
 /** The rows with those of a pasted text in place of what is empty at their end. */
-export function withPasted(rows: readonly Row[], pasted: MirrorPairs): Row[] {
+export function withPasted(rows: readonly Row[], pasted: { pairs: readonly { r_mm: number; r_px: number }[] }): Row[] {
   const kept = rows.filter((row) => !isEmpty(row));
   return [...kept, ...pasted.pairs.map(({ r_mm, r_px }) => ({ r_mm: String(r_mm), r_px: String(r_px) })), ...emptyRows(1)];
+}
+
+/** The pairs that a picture shows around a robot. */
+export interface PictureGroup {
+  picture: number;
+  name: string;
+  /** The robot, or the file that says what stood around it. */
+  whose: string;
+  pairs: readonly FoundPair[];
+}
+
+/** The groups with another one, which replaces that of the same picture. */
+export const withGroup = (groups: readonly PictureGroup[], added: PictureGroup): PictureGroup[] => [...groups.filter((one) => one.picture !== added.picture), added];
+
+/** The pairs of groups as a fit asks for them. */
+export const pairsOfGroups = (groups: readonly PictureGroup[]) => groups.flatMap((group) => group.pairs.map(({ place_px: _, ...pair }) => pair));
+
+/** "312 pairs, 75 to 1700 mm". */
+export function spanOf({ pairs }: PictureGroup): string {
+  const distances = pairs.map((pair) => pair.r_mm);
+  return `${pairs.length} pairs, ${Math.min(...distances).toFixed(0)} to ${Math.max(...distances).toFixed(0)} mm`;
 }

@@ -1,6 +1,8 @@
 """A mirror is fitted over the API: pairs as rows or text, the verdict with curve and band, refusals by row."""
 
+import time
 from collections.abc import Iterator
+from typing import Any
 
 import httpx
 import numpy as np
@@ -14,6 +16,7 @@ from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.native.opencv import encode_png
 
 FILE = {"Content-Type": "application/octet-stream"}
+PATIENCE_S = 240.0
 
 DISTANCES = [110.0, 150.0, 220.0, 300.0, 380.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 2750.0]
 PAIRS = [{"r_px": round(PAPER_MIRROR.px_from_mm(mm), 1), "r_mm": mm} for mm in DISTANCES]
@@ -22,7 +25,7 @@ TEXT = "r [mm];R [px]\n" + "\n".join(f"{pair['r_mm']};{pair['r_px']}".replace(".
 
 @pytest.fixture(scope="module")
 def http() -> Iterator[httpx.Client]:
-    with running_service(Scene()) as service, asked_by_operator(service) as client:
+    with running_service(Scene()) as service, asked_by_operator(service, PATIENCE_S) as client:
         yield client
 
 
@@ -30,7 +33,7 @@ def fitted(http: httpx.Client, body: dict[str, object]) -> dict[str, object]:
     begun = http.post("/calibration/mirror", json=body)
     assert begun.status_code == 202, begun.text
     assert begun.json()["work"] == "mirror"
-    wait_for(lambda: http.get("/calibration").json()["state"] != "running", 60.0)
+    wait_for(lambda: http.get("/calibration").json()["state"] != "running", PATIENCE_S)
     report = http.get("/calibration").json()
     assert report["state"] == "done", report["error"]
     return dict(report["mirror"])
@@ -93,21 +96,40 @@ def test_a_click_on_a_target_gives_the_radius_of_a_pair(http: httpx.Client) -> N
     assert http.delete("/calibration/pictures?of=onboard").json()["onboard"] == []
 
 
+def looked(http: httpx.Client, body: dict[str, object]) -> dict[str, Any]:
+    """What becomes of looking around a robot."""
+    begun = http.post("/calibration/mirror/around", json=body)
+    assert (begun.status_code, begun.json().get("work")) == (202, "pairs"), begun.text
+    wait_for(lambda: http.get("/calibration").json()["state"] != "running", PATIENCE_S)
+    return dict(http.get("/calibration").json())
+
+
 def test_a_picture_and_what_stands_around_the_robot(http: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
     distances = 300.0 + 750.0 * (1.0 - np.cos(np.radians(2.0 * np.arange(360.0))))
     number = given(http, "b.png", around(PAPER_MIRROR.px_from_mm(distances)))
     text = "\n".join(f"{degree} {distance:.1f}" for degree, distance in enumerate(distances.tolist()))
-    found = fitted(http, {"around": [{"picture": number, "text": text}], "focal_px": 300.0})
-    assert found["accepted"], found["reasons"]
-    pairs = found["pairs"]
-    assert isinstance(pairs, list)
+    pairs = looked(http, {"picture": number, "text": text})["found"]
     assert len(pairs) > 300
     assert pairs[0]["name"].startswith("b.png at ")
+    assert pairs[0]["place_px"] == pytest.approx([159.5, 119.5 - pairs[0]["r_px"]])
+    typed = [{key: value for key, value in pair.items() if key != "place_px"} for pair in pairs]
+    found = fitted(http, {"pairs": typed, "focal_px": 300.0})
+    assert found["accepted"], found["reasons"]
+    assert "all pairs of pictures share errors" in str(found["notes"])
+    assert "stands around the robot of b.png, line 1" in looked(http, {"picture": number, "text": "0;x"})["error"]
 
+    rim = http.post("/calibration/mirror/rim", json={"picture": number}).json()
+    assert (*rim["center_px"], rim["radius_px"]) == pytest.approx((159.5, 119.5, 115.0), abs=0.5)
+    bright = given(http, "bright.png", np.full((240, 320, 3), 200, dtype=np.uint8))
+    none = http.post("/calibration/mirror/rim", json={"picture": bright})
+    assert (none.status_code, none.json()["found"]) == (422, "corners of brightness 200 of 255")
+    other = http.post(
+        "/calibration/pictures?of=onboard&name=o.png", content=encode_png(np.zeros((9, 9, 3), np.uint8)), headers=FILE
+    )
+    assert other.status_code == 422, "another size"
     monkeypatch.setattr(Blackboard, "picture", lambda _self: None)
-    refused = http.post("/calibration/mirror", json={"around": [{"picture": number, "team": "yellow", "number": 2}]})
-    assert (refused.status_code, refused.json()["detail"]) == (503, "no image yet")
-    bad = http.post("/calibration/mirror", json={"around": [{"picture": number, "text": "0;x"}]})
-    assert bad.status_code == 202
-    wait_for(lambda: http.get("/calibration").json()["state"] != "running", 90.0)
-    assert "stands around the robot of b.png, line 1" in http.get("/calibration").json()["error"]
+    assert http.post(f"/calibration/pictures/{number}/ceiling").status_code == 503
+    assert http.get("/calibration").json()["onboard"][-1]["ceiling_s"] == pytest.approx(time.time(), abs=300.0)
+    later = given(http, "c.png", around(np.full(360, 61.3)))
+    refused = http.post("/calibration/mirror/around", json={"picture": later, "team": "yellow", "number": 2})
+    assert (refused.status_code, refused.json()["found"]) == (409, "no picture of the ceiling camera of its time")
