@@ -29,7 +29,7 @@ from vision_core.clock import NS_PER_S, US_PER_S, Instant, ManualClock, Monotoni
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.net.delivery import DeliveryTable, new_rows
-from vision_core.net.udp import SessionSocket
+from vision_core.net.udp import SharedSocket
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.messages import Init
@@ -82,9 +82,9 @@ class Loop:
         self._clients = tuple(Client(Init(team, number)) for team in Team for number in numbers)
         self._sockets = [_client(stack) for _ in self._clients]
         server = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-        server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         server.bind(("127.0.0.1", 0))
-        sessions = [SessionSocket(server, "127.0.0.1", (*one.getsockname(), 0)) for one in self._sockets]
+        shared = SharedSocket(server)
+        sessions = [shared.open_session("127.0.0.1", (*one.getsockname(), 0)) for one in self._sockets]
         for session in sessions:
             stack.callback(session.close)
         self._deliveries = DeliveryTable(Instant(0), seed=1)

@@ -18,7 +18,7 @@ from bench.baselines.build import load_library
 from bench.runner import Row
 from vision_core.clock import US_PER_S, Instant
 from vision_core.net.delivery import Batch, DeliveryTable, new_rows
-from vision_core.net.udp import SessionSocket
+from vision_core.net.udp import SharedSocket
 
 CLIENTS = (22, 200)
 ROUNDS = 400
@@ -37,15 +37,15 @@ def run() -> list[Row]:
 
 def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
     server = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-    server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     server.bind(("127.0.0.1", 0))
+    shared = SharedSocket(server)
     clients, sessions = [], []
     for _ in range(count):
         client = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         client.bind(("127.0.0.1", 0))
         client.setblocking(False)
         clients.append(client)
-        session = SessionSocket(server, "127.0.0.1", (*client.getsockname(), 0))
+        session = shared.open_session("127.0.0.1", (*client.getsockname(), 0))
         stack.callback(session.close)
         sessions.append(session)
     batch = Batch.of([DATAGRAM] * count)

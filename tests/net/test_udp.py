@@ -90,7 +90,7 @@ def test_a_session_answers_from_where_it_was_asked(host: str) -> None:
         assert (datagram.data, datagram.local) == (b"(init blue 3)", asked)
         assert shared.send(b"error", datagram.peer, datagram.local) is SendResult.SENT
         assert client.recvfrom(100)[1][:2] == (asked, main.getsockname()[1])
-        own = SessionSocket(session, datagram.local, datagram.peer)
+        own = SharedSocket(session).open_session(datagram.local, datagram.peer)
         assert own.send(b"see") is SendResult.SENT
         data, source = client.recvfrom(100)
         assert (data, source[:2]) == (b"see", (asked, session.getsockname()[1]))
@@ -106,7 +106,7 @@ def test_ipv4_clients_of_an_ipv6_wildcard(client: socket.socket) -> None:
         client.sendto(b"x", ("127.0.0.1", main.getsockname()[1]))
         datagram = received(SharedSocket(main))
         assert isinstance(datagram, Datagram)
-        own = SessionSocket(session, datagram.local, datagram.peer)
+        own = SharedSocket(session).open_session(datagram.local, datagram.peer)
         own.send(b"see")
         assert client.recvfrom(100) == (b"see", ("127.0.0.1", session.getsockname()[1]))
         own.close()
@@ -116,7 +116,7 @@ def test_the_kernel_routes_each_client_to_its_own_socket(
     ports: tuple[socket.socket, socket.socket], client: socket.socket
 ) -> None:
     session = ports[1]
-    own = SessionSocket(session, "127.0.0.1", peer_of(client))
+    own = SharedSocket(session).open_session("127.0.0.1", peer_of(client))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.sendto(b"stranger", session.getsockname())
         client.sendto(b"client", session.getsockname())
@@ -143,7 +143,7 @@ def test_a_stranger_who_slips_in_between_bind_and_connect_keeps_his_name(
                 super().connect(address)  # type: ignore[arg-type]
 
         monkeypatch.setattr(socket, "socket", Slow)
-        own = SessionSocket(session, "127.0.0.1", peer_of(client))
+        own = SharedSocket(session).open_session("127.0.0.1", peer_of(client))
         monkeypatch.undo()
         slipped = received(own)
         assert isinstance(slipped, Datagram)
@@ -151,10 +151,31 @@ def test_a_stranger_who_slips_in_between_bind_and_connect_keeps_his_name(
     own.close()
 
 
+@pytest.mark.parametrize("address", ["127.0.0.1", "0.0.0.0"])
+@pytest.mark.parametrize("which", [0, 1])
+def test_no_other_program_gets_a_port_that_sessions_share(
+    ports: tuple[socket.socket, socket.socket], client: socket.socket, which: int, address: str
+) -> None:
+    shared = SharedSocket(ports[which])
+    first = shared.open_session("127.0.0.1", peer_of(client))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        second = shared.open_session("127.0.0.1", peer_of(other))
+        for flag in (socket.SO_REUSEADDR, socket.SO_REUSEPORT):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as thief:
+                thief.setsockopt(socket.SOL_SOCKET, flag, 1)
+                with pytest.raises(OSError, match="already in use"):
+                    thief.bind((address, ports[which].getsockname()[1]))
+        first.close()
+        again = shared.open_session("127.0.0.1", peer_of(client))  # a closed session's socket is not touched again
+        for one in (second, again):
+            one.close()
+
+
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_closed_client_refuses(ports: tuple[socket.socket, socket.socket], client: socket.socket, which: int) -> None:
     """Also on the main port, where a session may have its socket."""
-    own = SessionSocket(ports[which], "127.0.0.1", peer_of(client))
+    own = SharedSocket(ports[which]).open_session("127.0.0.1", peer_of(client))
     client.close()
     assert own.send(b"see") is SendResult.SENT
     assert received(own) is SendResult.REFUSED
@@ -167,7 +188,7 @@ def test_a_closed_client_refuses(ports: tuple[socket.socket, socket.socket], cli
 def test_sending_never_blocks_and_never_raises(
     ports: tuple[socket.socket, socket.socket], client: socket.socket
 ) -> None:
-    own = SessionSocket(ports[1], "127.0.0.1", peer_of(client))
+    own = SharedSocket(ports[1]).open_session("127.0.0.1", peer_of(client))
     assert own.send(bytes(100_000)) is SendResult.DROPPED  # longer than any datagram
     assert all(own.send(bytes(1400)) is not SendResult.REFUSED for _ in range(1000))
     shared = SharedSocket(ports[0])
@@ -180,7 +201,7 @@ def test_a_session_at_an_address_that_is_not_ours_has_no_socket(
     ports: tuple[socket.socket, socket.socket], client: socket.socket
 ) -> None:
     with pytest.raises(OSError, match="assign"):
-        SessionSocket(ports[1], "192.0.2.1", peer_of(client))
+        SharedSocket(ports[1]).open_session("192.0.2.1", peer_of(client))
 
 
 def test_views_are_marked_for_low_delay(ports: tuple[socket.socket, socket.socket], client: socket.socket) -> None:

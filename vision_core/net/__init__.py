@@ -11,6 +11,6 @@ client's datagrams to the client's own socket, drops those of other senders ther
 has closed its port. An unconnected socket on the session port receives the rest. A session that must answer from the
 main port has its connected socket there.
 
-Both ports are bound exclusively and opened for sharing afterwards: ``SO_REUSEADDR`` is set after ``bind``. So a second
-server gets "address already in use", while the sockets of sessions may be bound to the same port.
+Both ports are bound exclusively. ``SO_REUSEADDR`` is set on our own sockets only while one of them is bound for a
+session. So every other program gets "address already in use": it can neither serve beside us nor take our clients.
 """

@@ -240,7 +240,7 @@ class UdpServer:
         """Open a socket for a session, in place of the one it may have; False when there is none left."""
         self._close(session)
         try:
-            opened = SessionSocket(self._shared[session.port].socket, session.local, session.peer)
+            opened = self._shared[session.port].open_session(session.local, session.peer)
         except OSError:
             return False
         self._sockets[session] = opened

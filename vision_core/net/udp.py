@@ -4,6 +4,7 @@ import contextlib
 import errno
 import socket
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
@@ -77,6 +78,7 @@ class SharedSocket:
 
     def __init__(self, bound: socket.socket) -> None:
         self._socket = bound
+        self._sessions: set[SessionSocket] = set()
         self._local = str(bound.getsockname()[0])
         self._wildcard = self._local in ("0.0.0.0", "::")  # noqa: S104 (compared, not bound)
 
@@ -106,6 +108,38 @@ class SharedSocket:
             return SendResult.DROPPED
         return SendResult.SENT
 
+    def open_session(self, local: str, peer: Address) -> "SessionSocket":
+        """A socket on the same port that is connected to a client. local: our address that the client knows.
+
+        Raises OSError when the system has no socket left, or the address is not ours.
+        """
+        opened = SessionSocket(self._socket.family, self._sessions)
+        own = (local, self._socket.getsockname()[1], peer[2])
+        with self._shared_by(opened):
+            opened.connect(own, peer)
+        self._sessions.add(opened)
+        return opened
+
+    @contextlib.contextmanager
+    def _shared_by(self, opened: "SessionSocket") -> Iterator[None]:
+        """Let a new socket of ours bind to this port. No other program can: sharing is on only for this moment.
+
+        Linux lets two UDP sockets have a port if SO_REUSEADDR is set on both. A socket whose flag is cleared
+        afterwards keeps its place, and a program that comes later is told that the port is in use.
+        """
+        sockets = (self._socket, opened.socket, *(session.socket for session in self._sessions))
+        try:
+            for one in sockets:
+                one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            yield
+        except OSError:
+            opened.close()
+            raise
+        finally:
+            for one in sockets:
+                if one.fileno() >= 0:
+                    one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 0)
+
     def _local_address(self, ancillary: list[tuple[int, int, bytes]]) -> str:
         for level, kind, content in ancillary:
             if (level, kind) == (socket.IPPROTO_IP, IP_PKTINFO) and len(content) >= IN_PKTINFO.size:
@@ -119,36 +153,38 @@ class SessionSocket:
     """A socket of one session: on one of the server's ports, connected to the client.
 
     Between bind and connect it may receive a datagram of another sender; so every datagram names its sender.
-    Raises OSError when the system has no socket left, or the address is not ours.
+    ``SharedSocket.open_session`` makes it.
     """
 
-    def __init__(self, shared: socket.socket, local: str, peer: Address) -> None:
-        self._local = local
-        self._socket = socket.socket(shared.family, socket.SOCK_DGRAM)
-        try:
-            self._socket.setblocking(False)
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-            _request_low_delay(self._socket)
-            own = (local, shared.getsockname()[1], peer[2])
-            self._socket.bind(_sockaddr(shared.family, own))
-            self._socket.connect(_sockaddr(shared.family, peer))
-        except OSError:
-            self._socket.close()
-            raise
+    def __init__(self, family: int, siblings: "set[SessionSocket]") -> None:
+        """siblings: the open sessions' sockets of its port; it leaves them when it is closed."""
+        self._siblings = siblings
+        self._local = ""
+        self.socket = socket.socket(family, socket.SOCK_DGRAM)
+        """The socket itself."""
+
+    def connect(self, own: Address, peer: Address) -> None:
+        """Bind to an address and port of ours, and connect to the client. Raises OSError."""
+        self._local = own[0]
+        self.socket.setblocking(False)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+        _request_low_delay(self.socket)
+        self.socket.bind(_sockaddr(self.socket.family, own))
+        self.socket.connect(_sockaddr(self.socket.family, peer))
 
     def fileno(self) -> int:
         """The socket's descriptor."""
-        return self._socket.fileno()
+        return self.socket.fileno()
 
     def close(self) -> None:
         """Close the socket."""
-        self._socket.close()
+        self._siblings.discard(self)
+        self.socket.close()
 
     def send(self, data: bytes) -> SendResult:
         """Send to the client, without waiting."""
         try:
-            self._socket.send(data)
+            self.socket.send(data)
         except ConnectionRefusedError:
             return SendResult.REFUSED
         except OSError:  # EWOULDBLOCK, ENOBUFS, ENETUNREACH, EHOSTUNREACH, ENETDOWN; EINVAL: our address is gone
@@ -158,7 +194,7 @@ class SessionSocket:
     def receive(self) -> Datagram | SendResult | None:
         """The next datagram; REFUSED when the client's computer reports a closed port; None when there is neither."""
         try:
-            data, source = self._socket.recvfrom(MAX_RECEIVED)
+            data, source = self.socket.recvfrom(MAX_RECEIVED)
         except ConnectionRefusedError:
             return SendResult.REFUSED
         except OSError:
@@ -175,7 +211,6 @@ def _open_shared(host: str, port: int) -> socket.socket:
         _report_local_address(opened)
         _request_low_delay(opened)
         opened.bind(sockaddr)
-        opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # after bind: see the docstring of the package
     except OSError as error:
         opened.close()
         raise _no_port(host, port, error) from None
