@@ -32,8 +32,7 @@ from vision_core.net.delivery import DeliveryTable, new_rows
 from vision_core.net.udp import SharedSocket
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import ViewEncoder
-from vision_core.protocol.messages import Init
-from vision_core.protocol.options import PAPER_OPTIONS
+from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.image import ImageFrame
@@ -54,7 +53,9 @@ STAGES = ("perceive", "track", "write", "send")
 class Client:
     """What a session asks for."""
 
-    init: Init
+    team: Team
+    number: int
+    options: Options = PAPER_OPTIONS
     nul: bool = False
 
 
@@ -79,7 +80,7 @@ class Loop:
         self._tracker = Tracker(settings.tracks, settings.robots)
         self._encoder = ViewEncoder(settings, Instant(0))
         numbers = range(1, settings.match.numbers + 1)
-        self._clients = tuple(Client(Init(team, number)) for team in Team for number in numbers)
+        self._clients = tuple(Client(team, number) for team in Team for number in numbers)
         self._sockets = [_client(stack) for _ in self._clients]
         server = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         server.bind(("127.0.0.1", 0))

@@ -22,9 +22,9 @@ import time
 from collections.abc import Iterator
 
 from bench.helpers import OBSERVER_PRIORITY, READY, has_stdin_ended, request_realtime
-from vision_core.client.lag import SO_TIMESTAMPNS, TIMESPEC, stamp_arrivals
+from vision_core.arrival_stamps import SO_TIMESTAMPNS, TIMESPEC, stamp_arrivals
 from vision_core.clock import NS_PER_S
-from vision_core.protocol.codec import encode
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.messages import Init
 from vision_core.protocol.options import Options
 from vision_core.types.objects import Team

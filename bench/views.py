@@ -23,7 +23,7 @@ from vision_core.models.from_settings import mirror_of
 from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import SLOT
 from vision_core.pipeline.view_encoder import ViewEncoder
-from vision_core.protocol.messages import Init
+from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.protocol.see import reference_see
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
@@ -53,7 +53,9 @@ SCENE = np.dtype(
 class Client:
     """What a session asks for."""
 
-    init: Init
+    team: Team
+    number: int
+    options: Options = PAPER_OPTIONS
     nul: bool = False
 
 
@@ -65,7 +67,7 @@ def run() -> list[Row]:
 def _measure(size: int) -> list[Row]:
     settings = _settings(size)
     tables = [WorldTable.of(_world(np.random.default_rng(seed), settings, size)) for seed in range(WORLDS)]
-    clients = tuple(Client(Init(team, number)) for team in Team for number in range(1, size + 1))
+    clients = tuple(Client(team, number) for team in Team for number in range(1, size + 1))
     encoder = ViewEncoder(settings, BOOT)
     methods: list[Callable[[int], object]] = [lambda number: encoder.write(tables[number % WORLDS], clients)]
     c_baseline, compiler = _c_baseline(encoder, tables, clients, settings)
@@ -132,9 +134,9 @@ def _by_reference(
         world, sent = tables[number % WORLDS], []
         encoder.renderer.render(world)
         for client in clients:
-            view = encoder.renderer.view(world, client.init.team, client.init.number)
+            view = encoder.renderer.view(world, client.team, client.number)
             assert view is not None
-            sent.append(reference_see(view, client.init.options, mirror, encoder.codes, BOOT))
+            sent.append(reference_see(view, client.options, mirror, encoder.codes, BOOT))
         return sent
 
     return encode

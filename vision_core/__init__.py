@@ -27,5 +27,5 @@ Top to bottom; who stands lower imports nobody above (held by the contracts in p
     types/        what flows
     native/       numba, OpenCV
     timing/       rates, histograms
-    geometry clock errors
+    geometry arrival_stamps user_files clock errors
 """

@@ -66,7 +66,9 @@ def create_app(store: Store) -> FastAPI:
     blackboard = Blackboard(store)
     service = blackboard.service
     people = People(people_path(service))
-    configuration = Configuration(store, service, Document(Path(service.database)))
+    configuration = Configuration(
+        store, service, Document(Path(service.database)), key_digest=people.team_keys.digest_of
+    )
     task = own_line(service.tasks)
     metrics = TaskMetrics(store, task, task.process)
     monitor = HealthMonitor()

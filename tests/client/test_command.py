@@ -252,7 +252,7 @@ def test_the_fields_mirror_is_for_decoding_alone(stadium: Stadium, capsys: pytes
     with granting(see) as server:
         robot = ["--team=blue", "--number=3", f"--port={server.port}", "--count=1"]
         assert main([*robot, "--field-mirror", *mirror]) == 0
-    assert server.heard[0] == b"(init blue 3)"
+    assert server.heard[0] == b"(init blue 3 (version 2))"
 
 
 def test_the_port_is_that_of_the_servers_variable(

@@ -12,6 +12,7 @@ import pytest
 
 from tests.client.fake import ScriptedServer
 from tests.net.serving import Stadium, running
+from tests.protocol.samples import rules
 from vision_core.client import Options, connect
 from vision_core.client.connection import RESTART_S, SILENCE_S
 from vision_core.client.lag import REPORT_S, TO_REPORTS
@@ -19,7 +20,7 @@ from vision_core.clock import Instant, ManualClock
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.delivery import UNKNOWN
-from vision_core.protocol.codec import encode
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.lifecycle import SessionState
 from vision_core.protocol.messages import FIXED_BY_MATCH, MirrorReply, WarningReply
@@ -27,6 +28,7 @@ from vision_core.protocol.session import Sessions
 from vision_core.types.objects import Team
 
 HOST = "127.0.0.1"
+ASKED = b"(init blue 3 (version 2))"
 GRANTED = b"(init blue 3 play_on)"
 
 
@@ -131,7 +133,7 @@ def test_silence_is_explained() -> None:
         connect_with_mirror(HOST, server.port, "blue", 3, timeout_s=0.7)
     assert f"nothing answered at 127.0.0.1:{server.port} within 0.7 s" in str(refused.value)
     assert "admission.subnets" in str(refused.value)
-    assert server.heard.count(b"(init blue 3)") == 2
+    assert server.heard.count(ASKED) == 2
 
 
 def answering(*answers: list[bytes]) -> ScriptedServer:
@@ -146,7 +148,7 @@ def test_an_error_that_passes_is_waited_for(error: ErrorCode) -> None:
     with answering(*answers) as server, connect_with_mirror(HOST, server.port, "blue", 3) as robot:
         assert robot.mode == "play_on"
         assert robot.last_error == ""
-    assert server.heard[:2] == [b"(init blue 3)"] * 2
+    assert server.heard[:2] == [ASKED] * 2
 
 
 def test_a_server_that_prepares_is_waited_for_longer_than_silence(caplog: pytest.LogCaptureFixture) -> None:
@@ -174,10 +176,49 @@ def test_a_real_server_tells_its_mirror(stadium: Stadium) -> None:
         assert robot.mirror == OTHER_MIRROR
 
 
+def test_the_cookie_of_a_challenge_is_returned_with_the_key() -> None:
+    cookie = b"0123456789abcdef01234567"
+    with answering([b"(challenge %s)" % cookie], [GRANTED]) as server:
+        connect_with_mirror(HOST, server.port, "blue", 3, key="Key_9").close()
+    assert server.heard[:2] == [
+        b"(init blue 3 (version 2) (key Key_9))",
+        b"(init blue 3 (version 2) (cookie %s) (key Key_9))" % cookie,
+    ]
+
+
+def test_a_server_of_version_2_tells_the_mirror_with_its_answer(stadium: Stadium) -> None:
+    with connect(HOST, stadium.port, "blue", 3, options=Options(extras=("seq", "flags"))) as robot:
+        assert robot.facts is not None
+        assert (robot.facts.version, robot.facts.mirror, robot.facts.venue) == (2, PAPER_MIRROR, "default")
+
+
+def test_what_the_referee_says_is_noted() -> None:
+    told = Mirror(4.2, 0.0131, 91000.0)
+    heard = [
+        b"(hear 1.0 referee kick_off_l)",
+        b"(hear 1.0 referee vision_lost)",
+        b"(hear 1.0 mirror 4.2 0.0131 91000.0)",
+        b"(hear 1.0 announcer nonsense)",
+    ]
+    with answering([GRANTED, TOLD, *heard, see(1.0)]) as server, connect(HOST, server.port, "blue", 3) as robot:
+        assert (robot.mode, robot.sees) == ("play_on", True)
+        view = robot.receive(2.0)
+        assert (robot.mode, robot.sees, robot.mirror) == ("kick_off_l", False, told)
+        assert view is not None
+        assert view.mm[0] == told.mm_from_px(44.5)
+
+
+def test_a_server_that_asks_whether_we_live_is_answered() -> None:
+    with answering([GRANTED, TOLD, b"(ping 5)", see(1.0)]) as server:
+        with connect(HOST, server.port, "blue", 3) as robot:
+            robot.receive(2.0)
+        wait_until(lambda: b"(ping 5)" in server.heard)
+
+
 def test_views_are_decoded_with_the_mirror_that_the_server_tells() -> None:
     with answering([GRANTED, TOLD, see(1.0)]) as server, connect(HOST, server.port, "blue", 3) as robot:
         view = robot.receive(1.0)
-    assert server.heard[0] == b"(init blue 3)(mirror)"
+    assert server.heard[0] == ASKED + b"(mirror)"
     assert view is not None
     assert view.mm[0] == OTHER_MIRROR.mm_from_px(44.5)
 
@@ -187,7 +228,7 @@ def test_a_lost_answer_about_the_mirror_heals() -> None:
     with answering([GRANTED, see(1.0)], [other_robot, b"(mirror 0 0 0)"], [TOLD]) as server:
         with connect(HOST, server.port, "blue", 3) as robot:
             assert robot.mirror == OTHER_MIRROR
-        assert server.heard[:3] == [b"(init blue 3)(mirror)", b"(mirror)", b"(mirror)"]
+        assert server.heard[:3] == [ASKED + b"(mirror)", b"(mirror)", b"(mirror)"]
 
 
 @pytest.mark.parametrize("answers", [[[GRANTED, b"(error unknown_command)"]], [[GRANTED], []]])
@@ -318,12 +359,12 @@ def test_silence_is_asked_about_at_the_session_port_and_then_at_the_main_port() 
         ):
             clock.advance(SILENCE_S)
             robot.latest()
-            assert session.recv(100) == b"(init blue 3)"
+            assert session.recv(100) == ASKED
             assert len(main.heard) == 1
             clock.advance(RESTART_S - SILENCE_S)
             robot.latest()
             wait_until(lambda: len(main.heard) == 2)
-            assert main.heard == [b"(init blue 3)"] * 2
+            assert main.heard == [ASKED] * 2
 
 
 def test_reports_reach_a_real_server(stadium: Stadium, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -361,7 +402,7 @@ def test_a_restarted_server_is_found_again() -> None:
         robot = connect(HOST, stadium.port, "blue", 3)
         assert robot.receive(1.0) is not None
     stadium.server.close()
-    stadium.rules = Stadium.rules_of(stadium.clock.now())
+    stadium.rules = rules(boot=stadium.clock.now())
     stadium.start(Sessions(stadium.rules))
     with robot, running(stadium):
         robot.latest()

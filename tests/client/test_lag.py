@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from vision_core.client.lag import REPORT_S, LagReports, receive_stamped, stamp_arrivals
+from vision_core.arrival_stamps import stamp_arrivals
+from vision_core.client.lag import REPORT_S, LagReports, receive_stamped
 from vision_core.clock import Instant, after
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import MAX_LAG_S, LagReport
@@ -98,5 +99,5 @@ def test_a_time_of_day_that_steps_is_no_age(
     mailbox: socket.socket, monkeypatch: pytest.MonkeyPatch, now_ns: int
 ) -> None:
     stamp_arrivals(mailbox)
-    monkeypatch.setattr("vision_core.client.lag.time.time_ns", lambda: now_ns)
+    monkeypatch.setattr("vision_core.arrival_stamps.time.time_ns", lambda: now_ns)
     assert age_after_pause(mailbox) == 0.0

@@ -7,16 +7,16 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tests.protocol.samples import CODES, MIRRORS, SUBNETS, simple_view
+from tests.protocol.samples import CODES, rules, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.net.delivery import DROPPED, NOT_SENT, REFUSED, SENT, Batch
 from vision_core.net.server import UdpServer
 from vision_core.net.udp import SendResult, open_server_sockets
-from vision_core.protocol.admission import Admission
+from vision_core.protocol.events import Event
 from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.see import reference_see
-from vision_core.protocol.session import Event, SessionRules, Sessions
+from vision_core.protocol.session import Sessions
 from vision_core.types.views import BallView
 
 PATIENCE_S = 2.0
@@ -48,25 +48,22 @@ class Frame:
 class Stadium:
     """A server that sends every client walls at 220 mm and a ball."""
 
-    def __init__(self) -> None:
+    def __init__(self, strangers_s: float = 1e3) -> None:
+        self.strangers_s = strangers_s
         self.clock = MonotonicClock()
-        self.rules = self.rules_of(self.clock.now())
+        self.rules = rules(boot=self.clock.now())
         self.main, self.session = open_server_sockets("127.0.0.1", 0, 0)
         self._grabbed = Instant(0)
         self.blind = False
         """The camera sees no robot, so no view is sent."""
         self.start(Sessions(self.rules))
 
-    @staticmethod
-    def rules_of(boot: Instant) -> SessionRules:
-        return SessionRules(boot, 5, 600.0, 3.6, MIRRORS, Admission.from_subnets(SUBNETS))
-
     @property
     def port(self) -> int:
         return int(self.main.getsockname()[1])
 
     def start(self, sessions: Sessions) -> None:
-        self.server = UdpServer(self.main, self.session, sessions, self.clock, seed=1)
+        self.server = UdpServer(self.main, self.session, sessions, self.clock, seed=1, strangers_s=self.strangers_s)
 
     def restore(self, snapshot: bytes) -> None:
         self.server = UdpServer.restore(self.main, self.session, self.rules, snapshot, self.clock, seed=1)
@@ -84,7 +81,7 @@ class Stadium:
     def see(self, session: Session, at: Instant) -> bytes | None:
         if self.blind:
             return None
-        options = session.init.options
+        options = session.options
         view = simple_view(at=at, rays=options.rays_per_circle, ball=BALL)
         return reference_see(view, options, PAPER_MIRROR, CODES, self.rules.boot, nul=session.nul)
 

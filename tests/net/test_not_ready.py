@@ -10,7 +10,8 @@ import pytest
 from vision_core.clock import MonotonicClock, after
 from vision_core.net.not_ready import MAX_CLIENTS, NOT_READY, NotReadyResponder
 from vision_core.net.udp import SharedSocket, open_server_sockets
-from vision_core.protocol.codec import decode_message, encode
+from vision_core.protocol.answers import decode_message
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import ErrorReply
 

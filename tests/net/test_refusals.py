@@ -3,8 +3,8 @@
 from vision_core.clock import Instant, ManualClock
 from vision_core.net.refusals import MAX_KEPT, SHOWN_S, WAITING_S, Refusals
 from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.events import RequestRefused
 from vision_core.protocol.lifecycle import Peer
-from vision_core.protocol.session import RequestRefused
 from vision_core.rtdb.infos import RefusedRequest
 from vision_core.types.objects import Team
 

@@ -4,16 +4,20 @@ import contextlib
 import socket
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import pytest
 
-from tests.net.serving import Stadium, robot
+from tests.net.serving import PATIENCE_S, Stadium, robot
 from vision_core.clock import Instant
 from vision_core.net.delivery import UNKNOWN, Batch, mean_rank
 from vision_core.net.server import MAX_DATAGRAMS
 from vision_core.net.udp import SendResult, SessionSocket
+from vision_core.protocol.answers import decode_message
+from vision_core.protocol.events import LagReported, Reply, SessionClosed, SessionMoved, SessionOpened
 from vision_core.protocol.lifecycle import SessionState, SessionTrigger
-from vision_core.protocol.session import LagReported, Reply, SessionClosed, SessionMoved, SessionOpened, Sessions
+from vision_core.protocol.messages import SyncReply
+from vision_core.protocol.session import Sessions
 
 EDGES = b"w2c" * 360
 
@@ -194,12 +198,40 @@ def test_a_stranger_at_the_session_port_disturbs_nobody(stadium: Stadium) -> Non
 
 
 def test_a_restarted_client_takes_over(stadium: Stadium) -> None:
-    with robot(stadium, b"(init blue 3)") as old, robot(stadium, b"(init blue 3)") as new:
+    """The old program has ended: its computer says so when it is asked."""
+    with robot(stadium, b"(init blue 3)") as old:
         stadium.serve()
         assert old.recv(2000) == b"(init blue 3 play_on)"
-        assert old.recv(2000) == b"(error replaced)"
+    with robot(stadium, b"(init blue 3)") as new:
+        stadium.serve()
+        stadium.serve()  # the report that the old port is closed
         assert new.recv(2000) == b"(init blue 3 play_on)"
         assert len(stadium.send_frame().deliveries) == 1
+
+
+def test_a_program_that_still_runs_keeps_its_robot(stadium: Stadium) -> None:
+    with robot(stadium, b"(init blue 3)") as old, robot(stadium, b"(init blue 3)") as new:
+        stadium.serve()
+        assert [old.recv(2000) for _ in range(2)] == [b"(init blue 3 play_on)"] * 2
+        (session,) = stadium.server.sessions
+        assert session.claim is not None
+        session.claim = replace(session.claim, at=Instant(session.claim.at - 2 * 10**9))
+        stadium.server.expire()
+        assert new.recv(2000) == b"(error already_connected)"
+        stadium.send_frame()
+        assert old.recv(2000).startswith(b"(see ")
+
+
+def test_the_clock_is_stamped_when_it_is_sent(stadium: Stadium) -> None:
+    before = stadium.clock.now() - stadium.rules.boot
+    with robot(stadium, b"(init blue 3)(sync 7 -5)") as client:
+        stadium.serve()
+        client.recv(2000)
+        answer = decode_message(client.recv(2000))
+        after = stadium.clock.now() - stadium.rules.boot
+        assert isinstance(answer, SyncReply)
+        assert (answer.id, answer.t1_ns) == (7, -5)
+        assert before <= answer.t2_ns <= answer.t3_ns <= after
 
 
 def test_one_socket_with_two_robots(stadium: Stadium) -> None:
@@ -217,6 +249,34 @@ def test_a_flood_is_handled_in_portions(stadium: Stadium) -> None:
             client.sendto(b"(dash 100)", stadium.main.getsockname())
         stadium.serve()
         assert 0 < stadium.server.sessions.counts.received <= MAX_DATAGRAMS
+
+
+def test_strangers_have_a_budget_of_time_between_two_frames() -> None:
+    """One datagram uses up this one. A client's own datagrams are read all the same."""
+    with contextlib.closing(Stadium(strangers_s=1e-9)) as stadium, robot(stadium, b"(init blue 3)") as client:
+        stadium.serve()
+        client.recv(2000)
+        stadium.send_frame()
+        client.recv(2000)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.settimeout(PATIENCE_S)
+            for number in range(1, 4):
+                stranger.sendto(b"(ping %d)" % number, stadium.main.getsockname())
+                client.sendto(b"(ping %d)" % number, stadium.session.getsockname())
+            stadium.serve()
+            assert [client.recv(2000) for _ in range(3)] == [b"(pong 1)", b"(pong 2)", b"(pong 3)"]
+            assert stranger.recv(2000) == b"(pong 1)"
+            stadium.serve()  # the shared sockets wake nobody
+            stranger.settimeout(0.0)
+            with pytest.raises(BlockingIOError):
+                stranger.recv(2000)
+            stranger.settimeout(PATIENCE_S)
+            stadium.send_frame()
+            stadium.serve()
+            assert stranger.recv(2000) == b"(pong 2)"
+            stadium.server.expire()  # no frame comes
+            stadium.serve()
+            assert stranger.recv(2000) == b"(pong 3)"
 
 
 def test_no_socket_left(stadium: Stadium, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,16 +18,17 @@ from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.delivery import Batch
 from vision_core.pipeline import view_encoder as module
 from vision_core.pipeline.view_encoder import ViewEncoder
-from vision_core.protocol.codec import decode_message
+from vision_core.protocol.answers import decode_message
 from vision_core.protocol.edge_codes import edge_codes
-from vision_core.protocol.messages import Init, See
-from vision_core.protocol.options import PAPER_OPTIONS, Options, options_from_forms
+from vision_core.protocol.messages import See
+from vision_core.protocol.options import EXTRAS, MAX_DATAGRAM, PAPER_OPTIONS, Options, options_from_forms
 from vision_core.protocol.see import reference_ball, reference_px, reference_see
 from vision_core.settings.schema import MirrorConstants
 from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tables import WorldTable
 from vision_core.types.tracks import World
+from vision_core.types.views import RobotView
 
 CODES = edge_codes(SETTINGS.protocol.letters)
 MIRROR = mirror_of(SETTINGS.mirror, Team.BLUE)
@@ -39,18 +40,43 @@ ENCODER = ViewEncoder(with_squares(), BOOT)
 class Client:
     """The part of a session that the encoder reads."""
 
-    init: Init
+    team: Team
+    number: int
+    options: Options = PAPER_OPTIONS
     nul: bool = False
 
 
 def blue_1(options: Options = PAPER_OPTIONS, *, nul: bool = False) -> Client:
-    return Client(Init(Team.BLUE, 1, options), nul)
+    return Client(Team.BLUE, 1, options, nul)
 
 
 def reference(table: WorldTable, client: Client, encoder: ViewEncoder = ENCODER) -> bytes | None:
     """What the reference makes of a view of the world that was rendered last."""
-    view = encoder.renderer.view(table, client.init.team, client.init.number)
-    return None if view is None else reference_see(view, client.init.options, MIRROR, CODES, BOOT, nul=client.nul)
+    view = encoder.renderer.view(table, client.team, client.number)
+    if view is None:
+        return None
+    extras = {name: words for name, words in extras_of(table, view).items() if name in client.options.extras}
+    return reference_see(view, client.options, MIRROR, CODES, BOOT, nul=client.nul, extras=extras)
+
+
+def extras_of(table: WorldTable, view: RobotView) -> dict[str, tuple[str, ...]]:
+    """Every extra of a view that is written when its image was grabbed, from the world's track of its robot."""
+    robots = table.record().robots
+    marker = (SETTINGS.match.blue_ids if view.team is Team.BLUE else SETTINGS.match.yellow_ids)[view.number - 1]
+    own = next(one for one in robots if (one.team, one.id) == (view.team, marker))
+    flags = {
+        "overlap": view.overlap,
+        "partial": view.ball is not None and view.ball.partial,
+        "predicted": own.seen < view.at,
+    }
+    us = (view.at - BOOT) // 1000
+    return {
+        "seq": (str(view.frame_number),),
+        "age": ("0",),
+        "sent": (f"{us // 10**6}.{us % 10**6:06d}",),
+        "conf": (str(round(100 * own.confidence)),),
+        "flags": tuple(name for name, holds in flags.items() if holds),
+    }
 
 
 def see(batch: Batch, line: int = 0) -> See:
@@ -75,6 +101,9 @@ def options(draw: st.DrawFn) -> Options:
         size=draw(st.sampled_from(["full", "half"])),
         sense=draw(st.sampled_from(["ccw", "cw"])),
     )
+    if asked.directions < 400:
+        chosen = draw(st.sets(st.sampled_from(list(EXTRAS))))
+        asked = dataclasses.replace(asked, version=2, extras=tuple(name for name in EXTRAS if name in chosen))
     return asked if (asked.first_deg * 4.0).is_integer() else dataclasses.replace(asked, center_deg=0.0, fov_deg=90.0)
 
 
@@ -91,7 +120,7 @@ def test_every_datagram_is_byte_for_byte_what_the_protocol_says(
     here = dataclasses.replace(random_world(np.random.default_rng(seed), fields()["walls"]), at=Instant(at))
     table = WorldTable.of(here)
     clients = [
-        Client(Init(*who, option), nul)
+        Client(*who, option, nul)
         for who, option in zip(
             [(Team.BLUE, 1), (Team.BLUE, 2), (Team.YELLOW, 3), (Team.YELLOW, 5)], asked, strict=False
         )
@@ -99,7 +128,39 @@ def test_every_datagram_is_byte_for_byte_what_the_protocol_says(
     batch = ENCODER.write(table, clients)
     for line, client in enumerate(clients):
         expected = reference(table, client)
-        assert bytes(batch.datagram(line)) == (expected or b"")
+        sent = bytes(batch.datagram(line))
+        assert sent == expected or (expected is None and (sent == b"" or client.options.version == 2))
+
+
+def test_a_client_of_version_2_is_told_that_its_robot_is_not_seen() -> None:
+    table = WorldTable.of(dataclasses.replace(world(ball=ball(0.1, 0.2)), at=Instant(BOOT + 1_500_000_000)))
+    clients = [
+        blue_1(Options(version=2, fov_deg=4.0, center_deg=0.0, extras=("seq",)), nul=True),
+        blue_1(Options(fov_deg=4.0, center_deg=0.0)),
+    ]
+    batch = ENCODER.write(table, clients)
+    told = (
+        b"(see 1.500 ((edge) -ff-ff-ff-ff) ((ball) -1 0 0) ((seq) %d) ((flags) nopose))\0" % table.record().frame_number
+    )
+    assert [bytes(batch.datagram(line)) for line in range(2)] == [told, b""]
+
+
+def test_the_age_of_a_view_and_when_it_was_written() -> None:
+    here = dataclasses.replace(world(robot(Team.BLUE, 1, 0.0, 0.0)), at=Instant(BOOT + 10**9))
+    asked = Options(version=2, fov_deg=1.0, center_deg=0.0, extras=("age", "sent"))
+    batch = ENCODER.write(WorldTable.of(here), [blue_1(asked)], now=Instant(BOOT + 10**9 + 12_345_678))
+    assert bytes(batch.datagram(0)).endswith(b" ((age) 12345) ((sent) 1.012345))")
+
+
+def test_the_longest_datagram_with_all_extras_fits() -> None:
+    late = Instant(BOOT + 9_199_999_999_999_999_000)
+    here = world(robot(Team.BLUE, 1, 0.0, 0.0), ball=ball(0.5, 0.4))
+    table = WorldTable.of(dataclasses.replace(here, at=late))
+    forms = [("version", "2"), ("extra", *EXTRAS), ("time", "us"), ("resolution", "0.25")]
+    widths = (("fov", str(directions / 4)) for directions in range(448, 0, -1))
+    asked = next(found[0] for width in widths if isinstance(found := options_from_forms([*forms, width]), tuple))
+    batch = ENCODER.write(table, [blue_1(asked, nul=True)], now=Instant(late + 10**15))
+    assert 1200 < len(batch.datagram(0)) <= MAX_DATAGRAM
 
 
 @pytest.mark.parametrize("name", list(fields()))
@@ -112,12 +173,12 @@ def test_all_robots_of_a_full_field(name: str) -> None:
         for marker in ids
     ]
     table = WorldTable.of(dataclasses.replace(world(*robots, ball=ball(0.1, 0.2)), at=Instant(BOOT + 1)))
-    clients = [Client(Init(team, number)) for team in Team for number in range(1, 17)]
+    clients = [Client(team, number) for team in Team for number in range(1, 17)]
     batch = encoder.write(table, clients)
     for line, client in enumerate(clients):
         assert bytes(batch.datagram(line)) == reference(table, client, encoder)
     snapshot = encoder.views.record()
-    assert [(view.team, view.number) for view in snapshot.views] == [(c.init.team, c.init.number) for c in clients]
+    assert [(view.team, view.number) for view in snapshot.views] == [(c.team, c.number) for c in clients]
 
 
 def test_the_longest_and_the_shortest_datagram() -> None:
@@ -128,7 +189,7 @@ def test_the_longest_and_the_shortest_datagram() -> None:
     assert isinstance(found, tuple)
     clients = [
         blue_1(found[0], nul=True),
-        Client(Init(Team.BLUE, 2)),
+        Client(Team.BLUE, 2),
         blue_1(Options(fov_deg=360.0, resolution_deg=360.0)),
     ]
     batch = ENCODER.write(table, clients)
@@ -147,7 +208,7 @@ def test_what_was_grabbed_before_the_start_has_time_0() -> None:
 
 def test_only_who_is_due_gets_a_datagram_and_a_new_sequence_is_looked_at_anew() -> None:
     table = WorldTable.of(world(robot(Team.BLUE, 1, 0.0, 0.0), robot(Team.BLUE, 2, 0.5, 0.0)))
-    clients = [blue_1(), Client(Init(Team.BLUE, 2))]
+    clients = [blue_1(), Client(Team.BLUE, 2)]
     batch = ENCODER.write(table, clients, np.array([0, 1], dtype=np.uint8))
     assert [len(batch.datagram(line)) > 0 for line in (0, 1)] == [False, True]
     batch = ENCODER.write(table, [clients[1]])
@@ -202,7 +263,7 @@ def test_the_page_gets_of_each_team_what_that_team_gets() -> None:
     """A team with a mirror of its own: pixels and ball of the page's view are those of the team's datagram."""
     other = MirrorConstants(4.2, 0.0131, 91_000.0)
     encoder = ViewEncoder(replace(SETTINGS, mirror=replace(SETTINGS.mirror, yellow=other)), BOOT)
-    clients = tuple(Client(Init(team, 1, PAPER_OPTIONS)) for team in Team)
+    clients = tuple(Client(team, 1, PAPER_OPTIONS) for team in Team)
     blue, yellow = SETTINGS.match.blue_ids[0], SETTINGS.match.yellow_ids[0]
     both = robot(Team.BLUE, blue, 0.5, 0.2, 0.3), robot(Team.YELLOW, yellow, -0.4, -0.3, 2.0)
     batch = encoder.write(WorldTable.of(world(*both, ball=ball(0.1, 0.1))), clients)
@@ -218,29 +279,19 @@ def test_a_robot_with_a_mirror_of_its_own_sees_through_it_and_its_team_does_not(
     own = Mirror(4.2, 0.0131, 91_000.0)
     robots = {"blue 2": MirrorConstants(own.a, own.b, own.c)}
     encoder = ViewEncoder(replace(SETTINGS, mirror=replace(SETTINGS.mirror, robots=robots)), BOOT)
-    clients = tuple(Client(Init(Team.BLUE, number)) for number in (1, 2))
+    clients = tuple(Client(Team.BLUE, number) for number in (1, 2))
     table = WorldTable.of(world(*(robot(Team.BLUE, SETTINGS.match.blue_ids[n], 0.5 * n, 0.2) for n in (0, 1))))
     batch = encoder.write(table, clients)
     for line, (client, mirror) in enumerate(zip(clients, (MIRROR, own), strict=True)):
-        view = encoder.renderer.view(table, Team.BLUE, client.init.number)
+        view = encoder.renderer.view(table, Team.BLUE, client.number)
         assert view is not None
         assert bytes(batch.datagram(line)) == reference_see(view, PAPER_OPTIONS, mirror, CODES, BOOT)
         assert encoder.views.record().views[line].px == reference_px(view, mirror).tobytes()
 
 
-def test_in_a_match_nobody_sees_through_a_mirror_that_was_asked_for() -> None:
-    asking = blue_1(Options(mirror=Mirror(2.0, 0.007, 40000.0)))
-    table = WorldTable.of(world(robot(Team.BLUE, SETTINGS.match.blue_ids[0], 0.5, 0.2)))
-    practice = bytes(ViewEncoder(SETTINGS, BOOT).write(table, (asking,)).datagram(0))
-    match = ViewEncoder(replace(SETTINGS, match=replace(SETTINGS.match, mode="match")), BOOT)
-    fixed = bytes(match.write(table, (asking,)).datagram(0))
-    assert fixed == bytes(match.write(table, (blue_1(),)).datagram(0))
-    assert fixed != practice
-
-
 def test_a_robot_at_no_finite_place_has_no_view() -> None:
     here: World = world(robot(Team.BLUE, 1, math.nan, 0.0), robot(Team.BLUE, 2, 0.3, 0.0))
-    batch = ENCODER.write(WorldTable.of(here), [blue_1(), Client(Init(Team.BLUE, 2))])
+    batch = ENCODER.write(WorldTable.of(here), [blue_1(), Client(Team.BLUE, 2)])
     assert len(batch.datagram(0)) == 0
     assert see(batch, 1).edges.count(b"w") > 100
 

@@ -8,24 +8,39 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.protocol.codec import SERVER_WORDS, decode_commands, decode_message, encode, encode_see
+from vision_core.protocol.answers import decode_message
+from vision_core.protocol.commands import SERVER_WORDS, decode_commands
+from vision_core.protocol.encoding import encode, encode_see
 from vision_core.protocol.error_codes import MEANINGS, ErrorCode
 from vision_core.protocol.messages import (
     HIDDEN,
+    PLAY_MODES,
     Ball,
     Bye,
+    Challenge,
     ErrorReply,
+    Hear,
     Init,
     InitReply,
     InvalidCommand,
     LagReport,
     MirrorQuery,
     MirrorReply,
+    Ok,
+    Ping,
+    Pong,
+    Reconnect,
     Request,
     See,
+    ServerMessage,
+    SessionFacts,
+    Set,
+    Sync,
+    SyncReply,
     WarningReply,
 )
 from vision_core.protocol.options import MAX_DIRECTIONS, Options
+from vision_core.protocol.proofs import Proof
 from vision_core.types.objects import Team
 
 BLUE_3 = Init(Team.BLUE, 3)
@@ -104,9 +119,73 @@ def test_short_server_messages_survive_the_wire(message: InitReply | ErrorReply 
     assert len(datagram) <= 39
 
 
-@pytest.mark.parametrize("bye", [Bye(), Bye(Team.BLUE, 3)])
-def test_bye_survives_the_wire(bye: Bye) -> None:
-    assert only(encode(bye)) == bye
+@pytest.mark.parametrize(
+    "command",
+    [
+        Bye(),
+        Bye(Team.BLUE, 3),
+        Ping(),
+        Ping(7),
+        Sync(7, -(2**63)),
+        Set((("rate", "10"), ("fov", "90", "0"))),
+        Set((("types", "team"),), Team.YELLOW, 16),
+        Reconnect(Team.BLUE, 3, Proof("0123456789abcdef01234567", "Key-_9")),
+    ],
+)
+def test_a_command_survives_the_wire(command: Bye | Ping | Sync | Set | Reconnect) -> None:
+    assert only(encode(command)) == command
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Challenge("0123456789abcdef01234567"),
+        Hear(1_500_000, "referee", ("kick_off_l",)),
+        Ping(3),
+        Pong(),
+        Pong(7),
+        SyncReply(7, -5, 2**62, 2**62 + 1),
+        Ok("set"),
+    ],
+)
+def test_a_message_of_version_2_survives_the_wire(message: ServerMessage) -> None:
+    datagram = encode(message)  # type: ignore[arg-type]
+    assert decode_message(datagram) == message
+    answered = decode_commands(datagram)
+    assert answered is None or isinstance(message, Ping)  # servers do not answer each other for ever
+
+
+@pytest.mark.parametrize(
+    "datagram",
+    [b"(sync 7)", b"(sync 7 1 2)", b"(sync a b)", b"(sync 7 99999999999999999999)", b"(ping x)", b"(ping 1 2)"],
+)
+def test_a_command_with_wrong_words_is_named(datagram: bytes) -> None:
+    request = decode_commands(datagram)
+    assert request is None or request.commands == (InvalidCommand(ErrorCode.ILLEGAL_FORM),)
+
+
+@pytest.mark.parametrize(
+    "proof",
+    [b"(cookie 12)", b"(cookie 0123456789abcdef0123456g)", b"(key a) (key b)", b"(key)", b"(key %s)" % (b"k" * 129)],
+)
+def test_an_illegal_proof_is_an_illegal_option(proof: bytes) -> None:
+    assert only(b"(init blue 3 (version 2) %s)" % proof) == InvalidCommand(ErrorCode.ILLEGAL_OPTION)
+
+
+def test_an_answer_to_init_with_all_its_pairs_survives_the_wire() -> None:
+    facts = SessionFacts(
+        2, 6001, 15.0, 33.25, PAPER_MIRROR, 90.0, 3620.5, 90.0, -0.25, 0.25, "team", 2**62, "4a817c800", "ssl-lab_2",
+        (2800.0, 2300.0),
+    )  # fmt: skip
+    reply = InitReply(Team.BLUE, 3, "play_on", facts)
+    assert decode_message(encode(reply)) == reply
+    assert decode_commands(encode(reply)) is None
+    assert len(encode(reply)) < 400
+
+
+@pytest.mark.parametrize("mode", sorted(PLAY_MODES))
+def test_no_answer_to_an_init_is_answered(mode: str) -> None:
+    assert decode_commands(b"(init blue 3 %s)" % mode.encode()) is None
 
 
 mirrors = st.sampled_from(
@@ -222,8 +301,8 @@ def test_an_answer_to_init_deserves_no_answer() -> None:
 
 
 def test_a_higher_version_may_ask_for_more() -> None:
-    init = only(b"(init blue 3 (version 2) (extra seq age) (types team))")
-    assert init == Init(Team.BLUE, 3, Options(version=2, types="team"), unknown_options=True)
+    init = only(b"(init blue 3 (version 3) (novelty 1) (types team))")
+    assert init == Init(Team.BLUE, 3, Options(version=3, types="team"), unknown_options=True)
     assert only(b"(init blue 3 (extra seq age))") == InvalidCommand(ErrorCode.ILLEGAL_OPTION)
 
 
@@ -234,9 +313,14 @@ def test_the_papers_sample() -> None:
     assert decode_message(printed) == decode_message(sample)
 
 
-def test_what_a_later_version_appends_is_passed_over() -> None:
+def test_extras_follow_the_ball() -> None:
     see = decode_message(b"(see 1.5 ((edge) w10-ff) ((ball) -1 0 0) ((seq) 7) ((flags) nopose))\0")
-    assert see == See(1_500000, b"w10-ff", HIDDEN)
+    assert see == See(1_500000, b"w10-ff", HIDDEN, {"seq": ("7",), "flags": ("nopose",)})
+    assert encode_see(see) == b"(see 1.500 ((edge) w10-ff) ((ball) -1 0 0) ((seq) 7) ((flags) nopose))"
+
+
+def test_what_a_later_version_appends_is_passed_over() -> None:
+    assert isinstance(decode_message(b"(see 1.5 ((edge) w10-ff) ((ball) -1 0 0) ((map) (a b)))"), See)
     reply = decode_message(b"(init blue 3 play_on (session 8f) (mirror 4.0 0.01 90000))")
     assert reply == InitReply(Team.BLUE, 3, "play_on")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vision_core.models.mirror import PAPER_MIRROR
-from vision_core.protocol.codec import decode_commands
+from vision_core.protocol.commands import decode_commands
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import Init, InvalidCommand
 from vision_core.protocol.options import (

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from vision_core.protocol.codec import COMMANDS, MAX_COMMAND, decode_commands, decode_message
+from vision_core.protocol.answers import decode_message
+from vision_core.protocol.commands import COMMANDS, MAX_COMMAND, decode_commands
+from vision_core.protocol.door import ALL_INITS_RATE
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import MAX_LAG_S, REPORT_PERIOD_S, Init, InvalidCommand, See
 from vision_core.protocol.options import MAX_DIRECTIONS, OPTION_PARSERS
 from vision_core.protocol.rate_limits import COMMAND_RATE, DATAGRAM, RATES
-from vision_core.protocol.session import ALL_INITS_RATE, LIMITED_ERRORS
+from vision_core.protocol.session import LIMITED_ERRORS
 from vision_core.types.edges import EDGE_TYPES, UNDEFINED, EdgeType, Letter
 
 ROOT = Path(__file__).parents[2]

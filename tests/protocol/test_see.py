@@ -8,7 +8,7 @@ import pytest
 from tests.protocol.samples import BOOT, CODES, simple_view
 from vision_core.clock import Instant
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.protocol.codec import decode_message
+from vision_core.protocol.answers import decode_message
 from vision_core.protocol.messages import HIDDEN, Ball, See
 from vision_core.protocol.options import MAX_DATAGRAM, PAPER_OPTIONS, Options
 from vision_core.protocol.see import reference_ball, reference_px, reference_see

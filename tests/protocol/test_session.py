@@ -22,14 +22,10 @@ from tests.protocol.samples import (
 from tests.protocol.test_codec import option_sets
 from vision_core.models.mirror import Mirror
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.codec import encode
+from vision_core.protocol.door import ALL_INITS_RATE, STRANGER_RATE
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import ErrorCode
-from vision_core.protocol.lifecycle import Peer, Port, Session, SessionTrigger
-from vision_core.protocol.messages import Init, LagReport
-from vision_core.protocol.rate_limits import COMMAND_RATE, DATAGRAM, INVALID, RATES
-from vision_core.protocol.session import (
-    ALL_INITS_RATE,
-    STRANGER_RATE,
+from vision_core.protocol.events import (
     Endpoint,
     LagReported,
     Reply,
@@ -38,8 +34,12 @@ from vision_core.protocol.session import (
     SessionClosed,
     SessionMoved,
     SessionOpened,
-    Sessions,
 )
+from vision_core.protocol.lifecycle import Peer, Port, Session, SessionTrigger
+from vision_core.protocol.messages import Init, LagReport
+from vision_core.protocol.options import Options
+from vision_core.protocol.rate_limits import COMMAND_RATE, DATAGRAM, INVALID, RATES
+from vision_core.protocol.session import Sessions
 from vision_core.types.objects import Team
 
 INIT = b"(init blue 3)"
@@ -249,18 +249,6 @@ def test_questions_for_the_mirror_are_limited() -> None:
     assert server.answers(INIT) == [GRANTED]
 
 
-def test_a_newer_client_of_the_same_computer_takes_over() -> None:
-    server = Server()
-    old = opened(server)
-    events = server.hear(INIT, OTHER)
-    assert [type(event) for event in events] == [Reply, SessionClosed, SessionOpened, Reply]
-    told, closed = events[0], events[1]
-    assert isinstance(told, Reply)
-    assert (told.data, told.to, told.session) == (b"(error replaced)", CLIENT, old)
-    assert closed == SessionClosed(old, SessionTrigger.REPLACED)
-    assert [session.peer for session in server.sessions] == [OTHER]
-
-
 def test_another_computer_does_not() -> None:
     server = Server()
     opened(server)
@@ -293,7 +281,7 @@ def test_what_is_wrong_is_told_and_opens_nothing(datagram: bytes, error: bytes) 
 def test_a_session_without_a_socket_is_told_and_forgotten() -> None:
     server = Server()
     session = opened(server)
-    events = server.sessions.not_opened(session)
+    events = server.sessions.not_opened(session, server.clock.now())
     assert replies(events) == [b"(error server_full)"]
     assert len(server.sessions) == 0
 
@@ -375,8 +363,11 @@ def test_what_strangers_send_is_mostly_not_even_read(monkeypatch: pytest.MonkeyP
 
 
 def test_a_higher_version_is_answered_with_ours_and_a_warning() -> None:
-    assert Server().answers(b"(init blue 3 (version 2))") == [GRANTED]
-    assert Server().answers(b"(init blue 3 (version 2) (extra seq))") == [GRANTED, b"(warning unknown_option)"]
+    server = Server()
+    cookie = server.answers(b"(init blue 3 (version 3))")[0][len("(challenge ") : -1]
+    answers = server.answers(b"(init blue 3 (version 3) (novelty 1) (cookie %s))" % cookie)
+    assert answers[0].startswith(GRANTED[:-1] + b" (version 2) ")
+    assert answers[1:] == [b"(warning unknown_option)"]
 
 
 def test_strangers_get_one_short_error_now_and_then() -> None:
@@ -450,7 +441,7 @@ def test_silence_ends_a_session_after_its_lease() -> None:
 def test_the_operator_may_end_a_session() -> None:
     server = Server()
     session = opened(server)
-    assert server.sessions.close(session) == [SessionClosed(session, SessionTrigger.STOPPED)]
+    assert server.sessions.close(session, server.clock.now()) == [SessionClosed(session, SessionTrigger.STOPPED)]
 
 
 any_init = st.builds(
@@ -504,7 +495,7 @@ def test_other_rules_hold_for_sessions_that_are_open() -> None:
     server.hear(b"(init yellow 5)")
     before = list(server.sessions)
     kept = replace(server.sessions.rules, numbers=5, mirrors=dict.fromkeys(MIRRORS, Mirror(4.2, 0.0131, 91000.0)))
-    assert server.sessions.apply(kept, "pause") == []
+    assert server.apply(kept, "pause") == []
     assert list(server.sessions) == before
     assert server.answers(b"(init blue 1)") == [b"(init blue 1 pause)"]
     assert server.answers(b"(mirror)", TEAMMATE, SESSION) == [b"(mirror 4.2 0.0131 91000.0)"]
@@ -515,7 +506,7 @@ def test_a_session_that_is_admitted_no_longer_ends_and_its_client_is_told() -> N
     server.hear(b"(init blue 3)", TEAMMATE)
     server.hear(b"(init yellow 5)")
     strict = replace(server.sessions.rules, admission=Admission(), numbers=4)
-    events = server.sessions.apply(strict, "play_on")
+    events = server.apply(strict, "play_on")
     assert replies(events) == [b"(error not_admitted)", b"(error illegal_number)"]
     assert len(server.sessions) == 0
 
@@ -523,7 +514,7 @@ def test_a_session_that_is_admitted_no_longer_ends_and_its_client_is_told() -> N
 def test_an_address_that_is_admitted_as_one_robot_is_not_admitted_as_another() -> None:
     server = Server()
     own = Admission.from_texts([], [("10.0.0.7", Team.BLUE, 3)], [])
-    server.sessions.apply(replace(server.sessions.rules, admission=own), "play_on")
+    server.apply(replace(server.sessions.rules, admission=own), "play_on")
     assert server.answers(b"(init blue 3)", TEAMMATE) == [b"(init blue 3 play_on)"]
     other = server.hear(b"(init blue 4)", TEAMMATE)
     assert replies(other) == [b"(error not_admitted)"]
@@ -537,12 +528,12 @@ def test_a_match_fixes_the_mirror_and_says_so() -> None:
     opened(server, asks)
     opened(server, b"(init yellow 1)", OTHER)
     practice = server.sessions.rules
-    match = replace(practice, own_mirrors=False)
-    assert replies(server.sessions.apply(match, "play_on")) == [b"(warning fixed_by_match)"]
-    assert server.sessions.apply(match, "play_on") == []
+    match = replace(practice, fixed=Options())
+    assert replies(server.apply(match, "play_on")) == [b"(warning fixed_by_match)"]
+    assert server.apply(match, "play_on") == []
     assert server.answers(b"(mirror)") == [b"(mirror %s)" % FIELD_MIRROR]
     assert server.answers(asks) == [GRANTED, b"(warning fixed_by_match)"]
-    assert server.sessions.apply(practice, "play_on") == []
+    assert server.apply(practice, "play_on") == []
     assert server.answers(asks + b"(mirror)") == [GRANTED, b"(mirror %s)" % OWN_MIRROR]
 
 
@@ -551,7 +542,7 @@ def test_a_robot_may_have_another_mirror_than_its_team() -> None:
     opened(server)
     opened(server, b"(init blue 4)")
     own = {**MIRRORS, (Team.BLUE, 4): Mirror(4.2, 0.0131, 91000.0)}
-    server.sessions.apply(replace(server.sessions.rules, mirrors=own), "play_on")
+    server.apply(replace(server.sessions.rules, mirrors=own), "play_on")
     assert server.answers(b"(mirror blue 3)(mirror blue 4)") == [
         b"(mirror blue 3 %s)" % FIELD_MIRROR,
         b"(mirror blue 4 4.2 0.0131 91000.0)",

@@ -17,8 +17,9 @@ from tests.app.fake_service import FakeService, Scene
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.udp import open_server_sockets
-from vision_core.protocol.codec import decode_message, encode
-from vision_core.protocol.messages import Init, MirrorQuery, MirrorReply, See
+from vision_core.protocol.answers import decode_message
+from vision_core.protocol.encoding import encode
+from vision_core.protocol.messages import Init, MirrorQuery, MirrorReply, See, WarningReply
 from vision_core.protocol.options import Options
 from vision_core.rtdb import records
 from vision_core.scheduling.attachment import Attachment, ChildResources
@@ -79,6 +80,8 @@ class Rig:
         self.task.receive()
         assert [len(program.received()) for program in self.programs] == [1] * len(ROBOTS)
         self.number = 0
+        self.told: dict[tuple[Team, int], list[object]] = {}
+        """What each program heard before the last frame's view."""
 
     def frame(self) -> dict[tuple[Team, int], See]:
         """What every program is sent for a frame in which all robots stand where they stood before."""
@@ -89,7 +92,7 @@ class Rig:
         assert self.task.serve_newest(Release(now, now)).ran
         views = {}
         for program in self.programs:
-            (see,) = program.received()
+            *self.told[program.team, program.number], see = program.received()
             assert isinstance(see, See)
             assert see.time_us == (now - self.service.boot) // 1000
             views[program.team, program.number] = see
@@ -180,6 +183,5 @@ def test_a_match_takes_away_the_mirror_that_a_program_asked_for(rig: Rig) -> Non
     assert len(asking.received()) == 1
     assert {robot for robot, view in edges(rig.frame()).items() if view != before[robot]} == {(Team.BLUE, 3)}
     rig.configuration.change({setting("match.mode"): "match"}, who="Ada", what="match")
-    rig.task._apply_live_settings()
-    assert [str(message) for message in asking.received()] == ["WarningReply(name='fixed_by_match')"]
     assert edges(rig.frame()) == before
+    assert rig.told[asking.team, asking.number] == [WarningReply("fixed_by_match")]

@@ -4,35 +4,44 @@ import contextlib
 import logging
 import socket
 from collections.abc import Iterator
+from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
-from vision_core.client.lag import LagReports, SockAddress, receive_stamped, stamp_arrivals
+from vision_core.arrival_stamps import stamp_arrivals
+from vision_core.client.lag import LagReports, SockAddress, receive_stamped
 from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import Mirror
-from vision_core.protocol.codec import MAX_ANSWER, decode_message, encode
+from vision_core.protocol.answers import MAX_ANSWER, decode_message
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.messages import (
     FIXED_BY_MATCH,
+    PLAY_MODES,
     Bye,
+    Challenge,
     ErrorReply,
+    Hear,
     Init,
     InitReply,
     MirrorQuery,
     MirrorReply,
+    Ping,
     See,
     ServerMessage,
+    SessionFacts,
     WarningReply,
 )
-from vision_core.protocol.options import PAPER_OPTIONS, Options
+from vision_core.protocol.options import HIGHEST_VERSION, PAPER_OPTIONS, Options, mirror_from_words
+from vision_core.protocol.proofs import Proof
 from vision_core.types.objects import Team
 
 RETRY_S = 0.5
 """Between two attempts to connect, or to learn the mirror."""
 KEEPALIVE_S = 60.0
-"""Between two inits of a session that receives views; the server ends a session after its lease (10 minutes)."""
+"""Between two signs of life, if the server does not tell its lease; a third of the lease if it does."""
 SILENCE_S = 1.0
 """Nothing received for so long: ask the server's session port, once a second."""
 RESTART_S = 3.0
@@ -58,21 +67,27 @@ def connect(
     *,
     options: Options = PAPER_OPTIONS,
     mirror: Mirror | None = None,
+    key: str = "",
     timeout_s: float = 5.0,
     clock: Clock | None = None,
 ) -> "Connection":
     """Ask a server for a robot's views.
 
+    The client speaks version 2 of the protocol, whatever ``options.version`` is, and understands servers of version 1.
+
     mirror: of the server's field; every ``View.mm`` and ``ball_mm`` depends on it. None: the server is asked for it. A
     mirror of your own, ``options.mirror``, is used in its place: the server then renders the views through that one,
-    unless the match fixes the mirror.
+    unless the match fixes the mirror. key: the team's, if the referee has given it one: with it the computer need not
+    be admitted, and a robot that another client holds is taken over.
     timeout_s: how long to wait for an answer. While the server answers that it still prepares, the wait goes on; the
     logger "vision_core.client" says so once.
 
     Raises ConnectionRefused when the server refuses, with its reason, or does not answer in time, or does not tell its
     mirror; ValueError for an unknown team.
     """
-    connection = Connection(host, port, Init(Team(team), number, options), mirror, clock or MonotonicClock())
+    asked = replace(options, version=HIGHEST_VERSION)
+    init = Init(Team(team), number, asked, proof=Proof(key=key))
+    connection = Connection(host, port, init, mirror, clock or MonotonicClock())
     try:
         connection.open(timeout_s)
     except BaseException:
@@ -87,7 +102,11 @@ class Connection:
     def __init__(self, host: str, port: int, init: Init, mirror: Mirror | None, clock: Clock) -> None:
         self.init = init
         self.mode = ""
-        """Play mode in the server's last answer to init."""
+        """Play mode, as the server told it last."""
+        self.sees = True
+        """False while the server says that its camera delivers nothing: ``(hear Time referee vision_lost)``."""
+        self.facts: SessionFacts | None = None
+        """What the server has told of the session; None: its version is 1."""
         self.last_error = ""
         """Error in the server's last message, as "not_ready"; empty when it was no error."""
         self._given_mirror = init.options.mirror or mirror
@@ -146,7 +165,7 @@ class Connection:
                 self._ask(self._main)
             again_at = min(after(self._clock.now(), RETRY_S), deadline)
             while (message := self._next_message(again_at)) is not None:
-                answered = not isinstance(message, ErrorReply)
+                answered |= isinstance(message, InitReply | See)
                 if answered and self._mirror is not None:
                     return
                 if self.last_error == ErrorCode.NOT_READY:
@@ -197,8 +216,10 @@ class Connection:
         """Keep the session alive, find a server that was restarted, and learn its mirror."""
         now = self._clock.now()
         asked_s = seconds_between(self._asked_at, now)
-        if asked_s >= KEEPALIVE_S or min(self.silent_s, asked_s) >= SILENCE_S:
+        if min(self.silent_s, asked_s) >= SILENCE_S:
             self._ask(self._main if self.silent_s >= RESTART_S else self._server)
+        elif asked_s >= (self.facts.lease_s / 3.0 if self.facts else KEEPALIVE_S):
+            self._ask(self._server)
         elif self._mirror is None and asked_s >= RETRY_S:
             if now > self._mirror_due_at:
                 raise self._mirror_unknown()
@@ -269,17 +290,33 @@ class Connection:
         match message:
             case See():
                 self._time_us, self._arrived_at = message.time_us, Instant(self._heard_at - age_ns)
+            case Challenge(cookie):
+                self.init = replace(self.init, proof=replace(self.init.proof, cookie=cookie))
+                self._ask(source)
+            case Ping():
+                self._send(encode(message), source)
+            case Hear():
+                self._note_heard(message)
             case InitReply():
-                self.mode = message.mode
+                self.mode, self.facts, self.sees = message.mode, message.facts, True
                 # the server may have been restarted: its Time begins anew, and its field may have another mirror
                 self._time_us = -1
-                self._mirror = self._given_mirror
+                self._mirror = self._given_mirror or (message.facts.mirror if message.facts else None)
                 self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
             case MirrorReply():
                 self._mirror = self._given_mirror or message.mirror
             case WarningReply(name) if name == FIXED_BY_MATCH:
                 self._given_mirror = self._mirror = None  # the server tells which one it is
                 self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
+
+    def _note_heard(self, heard: Hear) -> None:
+        match heard:
+            case Hear(_, "referee", (mode,)) if mode in PLAY_MODES:
+                self.mode = mode
+            case Hear(_, "referee", ("vision_lost" | "vision_back" as word,)):
+                self.sees = word == "vision_back"
+            case Hear(_, "mirror", words) if mirror := mirror_from_words(words):
+                self._mirror = self._given_mirror or mirror
 
     def _mirror_unknown(self) -> ConnectionRefused:
         return ConnectionRefused(self._name, found="the server does not tell its mirror", accepted=NO_MIRROR)

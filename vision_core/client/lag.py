@@ -5,15 +5,13 @@ it (RFC 3550, 6.4.1): no clocks are compared. Linux stamps arrivals, so the time
 not counted as the network's; on other systems a view arrives when the program reads it.
 """
 
-import contextlib
 import socket
 import statistics
-import struct
 import sys
-import time
 from collections import deque
 
-from vision_core.clock import NS_PER_S, Instant, seconds_between
+from vision_core.arrival_stamps import STAMP_SPACE, age_ns
+from vision_core.clock import Instant, seconds_between
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import MAX_LAG_S, LagReport
 
@@ -23,10 +21,6 @@ MAX_USES = 1000
 """Kept for the median of one report."""
 TO_REPORTS = frozenset({ErrorCode.UNKNOWN_COMMAND, ErrorCode.NOT_CONNECTED})
 """Errors that a report may get and an init does not: the server is older, or was restarted."""
-SO_TIMESTAMPNS = getattr(socket, "SO_TIMESTAMPNS", 35)
-"""Linux's number, for Python versions whose socket module does not name it."""
-TIMESPEC = struct.Struct("@ll")
-
 SockAddress = tuple[str, int] | tuple[str, int, int, int] | tuple[int, bytes]
 
 
@@ -67,21 +61,9 @@ class LagReports:
         return True
 
 
-def stamp_arrivals(datagrams: socket.socket) -> None:
-    """Have the system note when each datagram arrives, where it can."""
-    if sys.platform == "linux":
-        with contextlib.suppress(OSError):
-            datagrams.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
-
-
 def receive_stamped(datagrams: socket.socket, most: int) -> tuple[bytes, SockAddress, int]:
     """The next datagram, its sender, and how long ago it arrived [ns], 0 if not known. Raises OSError."""
     if sys.platform != "linux":
         return *datagrams.recvfrom(most), 0
-    data, ancillary, _, source = datagrams.recvmsg(most, socket.CMSG_SPACE(TIMESPEC.size))
-    for level, kind, content in ancillary:
-        if (level, kind, len(content)) == (socket.SOL_SOCKET, SO_TIMESTAMPNS, TIMESPEC.size):
-            seconds, ns = TIMESPEC.unpack(content)
-            age_ns = time.time_ns() - (seconds * NS_PER_S + ns)
-            return data, source, age_ns if 0 <= age_ns <= MAX_LAG_S * NS_PER_S else 0  # the time of day may step
-    return data, source, 0
+    data, ancillary, _, source = datagrams.recvmsg(most, STAMP_SPACE)
+    return data, source, age_ns(ancillary)

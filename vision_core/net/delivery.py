@@ -23,7 +23,7 @@ from vision_core.protocol.messages import MAX_LAG_S, REPORT_PERIOD_S, LagReport
 from vision_core.protocol.options import Options
 from vision_core.types.tables import Table
 
-NOT_SENT, SENT, DROPPED, REFUSED = 0, 1, 2, 3
+NOT_SENT, SENT, DROPPED, REFUSED, UNREACHABLE = 0, 1, 2, 3, 4
 """Result of a row in the last frame."""
 NEVER = -1
 UNKNOWN = -1
@@ -34,6 +34,7 @@ MSG_DONTWAIT = 0x40
 MSG_NOSIGNAL = 0x4000
 SEND_FLAGS = MSG_DONTWAIT | MSG_NOSIGNAL
 CONNECTION_REFUSED = errno.ECONNREFUSED
+HOST_UNREACHABLE, NET_UNREACHABLE = errno.EHOSTUNREACH, errno.ENETUNREACH
 
 DELIVERY = np.dtype(
     [
@@ -117,7 +118,7 @@ def mark_due(rows: Table, at: int, boot: int, due: Bytes) -> int:
 def send_all(
     rows: Table, at: int, text: Bytes, starts: NDArray[np.int64], lengths: NDArray[np.int64], buffers: SendBuffers
 ) -> tuple[int, int]:
-    """Send each row its datagram, in a new random order; returns how many rows had one, and how many were refused.
+    """Send each row its datagram, in a new random order; returns how many rows had one, and how many had it refused.
 
     at: grab of the frame [ns]; text, starts, lengths: a Batch.
     """
@@ -138,8 +139,12 @@ def send_all(
         sent = _send(rows[k].descriptor, address + starts[k], length, SEND_FLAGS)
         rows[k].result = SENT
         if sent != length:
-            refused = sent < 0 and carray(_errno_address(), (1,))[0] == CONNECTION_REFUSED
-            rows[k].result = REFUSED if refused else DROPPED
+            error = carray(_errno_address(), (1,))[0] if sent < 0 else 0
+            rows[k].result = DROPPED
+            if error == CONNECTION_REFUSED:
+                rows[k].result = REFUSED
+            elif error in (HOST_UNREACHABLE, NET_UNREACHABLE):
+                rows[k].result = UNREACHABLE
         _clock_gettime(CLOCK_MONOTONIC, now.ctypes.data)
         rows[k].sent_at = now[0] * NS_PER_S + now[1]
     # the counters
@@ -153,7 +158,7 @@ def send_all(
         row.rank_sum += rank / (count - 1) if count > 1 else 0.5
         row.sent += row.result == SENT
         row.dropped += row.result != SENT
-        refusals += row.result == REFUSED
+        refusals += row.result >= REFUSED
     return count, refusals
 
 
@@ -232,7 +237,7 @@ class DeliveryTable:
         return self._due
 
     def send(self, at: Instant, batch: Batch) -> tuple[int, int]:
-        """Send a frame and update the rows; returns how many rows had a datagram, and how many were refused."""
+        """Send a frame and update the rows; returns how many rows had a datagram, and how many the network refused."""
         return send_all(self.rows, at, batch.text, batch.starts, batch.lengths, self._buffers)
 
     @property

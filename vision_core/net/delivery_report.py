@@ -13,8 +13,8 @@ from vision_core.models.mirror import Mirror
 from vision_core.net.delivery import UNKNOWN, mean_rank
 from vision_core.net.refusals import Refusals
 from vision_core.net.server import SendSummary, UdpServer
+from vision_core.protocol.events import Event, LagReported, RequestRefused
 from vision_core.protocol.lifecycle import Session
-from vision_core.protocol.session import Event, LagReported, RequestRefused
 from vision_core.rtdb.infos import LAGS, ClientInfo, Serving
 from vision_core.settings.schema import MirrorConstants
 from vision_core.timing.histogram import Histograms

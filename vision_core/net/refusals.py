@@ -6,8 +6,8 @@ from typing import TypeAlias
 
 from vision_core.clock import Instant, seconds_between
 from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.events import RequestRefused
 from vision_core.protocol.lifecycle import Peer
-from vision_core.protocol.session import RequestRefused
 from vision_core.rtdb.infos import RefusedRequest
 from vision_core.types.objects import Team
 

@@ -1,7 +1,10 @@
 """Joins the server's sockets to ``Sessions``, without an event loop of its own.
 
 One descriptor stands for all sockets: wait until ``fileno()`` is readable, then call ``handle_readable``, which handles
-a bounded number of datagrams, so that a flood cannot delay the next frame. All views of a frame are made first and then
+a bounded number of datagrams, so that a flood cannot delay the next frame. The sockets of sessions, which receive from
+their clients only, come first. The two shared sockets, where anybody may send, have a budget of time per frame; when it
+is used up, they are not listened to until the next frame was sent, and the kernel drops what their buffers cannot hold.
+All views of a frame are made first and then
 sent back to back, in a new random order for every frame (paper, section 3.3).
 
 Each session has a row in the ``DeliveryTable``: when it is due, and what it was sent. Rows are added and removed before
@@ -10,19 +13,20 @@ the first use after a session was opened, moved, changed or closed.
 
 import select
 import socket
+import time
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from vision_core.clock import Clock, Instant
+from vision_core.clock import NS_PER_S, Clock, Instant
 from vision_core.geometry import Bytes
-from vision_core.net.delivery import DELIVERY, REFUSED, Batch, DeliveryTable, new_rows, note_report
+from vision_core.net.delivery import DELIVERY, REFUSED, UNREACHABLE, Batch, DeliveryTable, new_rows, note_report
 from vision_core.net.udp import Datagram, SendResult, SessionSocket, SharedSocket
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import ErrorCode
-from vision_core.protocol.lifecycle import Peer, Port, Session
-from vision_core.protocol.session import (
+from vision_core.protocol.events import (
     Endpoint,
     Event,
     LagReported,
@@ -31,9 +35,12 @@ from vision_core.protocol.session import (
     SessionClosed,
     SessionMoved,
     SessionOpened,
-    SessionRules,
-    Sessions,
+    SyncAsked,
 )
+from vision_core.protocol.lifecycle import Peer, Port, Session
+from vision_core.protocol.messages import SyncReply
+from vision_core.protocol.rules import SessionRules
+from vision_core.protocol.session import Sessions
 from vision_core.types.objects import Team
 from vision_core.types.tables import Table
 
@@ -41,6 +48,8 @@ MAX_DATAGRAMS = 64
 """Handled by one call of ``handle_readable``."""
 MAX_PER_SOCKET = 16
 """Handled of one socket before the next socket has its turn."""
+STRANGERS_S = 1e-3
+"""Processor time for datagrams of the shared sockets, between two frames."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +68,18 @@ class UdpServer:
     """Sends views to clients and answers them."""
 
     def __init__(
-        self, main: socket.socket, session: socket.socket, sessions: Sessions, clock: Clock, seed: int | None = None
+        self,
+        main: socket.socket,
+        session: socket.socket,
+        sessions: Sessions,
+        clock: Clock,
+        seed: int | None = None,
+        strangers_s: float = STRANGERS_S,
     ) -> None:
         """main, session: bound, non-blocking sockets of the two ports; they stay open when the server is closed.
 
         sessions: may hold sessions of an earlier process; their sockets are opened at once. seed: of the order of
-        sending.
+        sending. strangers_s: processor time for the shared sockets between two frames.
         """
         self.sessions = sessions
         self._clock = clock
@@ -76,6 +91,9 @@ class UdpServer:
         self._table_is_stale = True
         self._sources: dict[int, SharedSocket | Session] = {}
         """What each descriptor of the poll set belongs to."""
+        self._budget_ns = round(strangers_s * NS_PER_S)
+        self._strangers_ns = 0
+        """Processor time that the shared sockets have taken since the last frame."""
         self._poll = select.epoll()
         for shared in self._shared.values():
             self._listen(shared.fileno(), shared)
@@ -136,10 +154,11 @@ class UdpServer:
         """Receive at most 64 datagrams and answer them; returns what happened."""
         happened: list[Event] = []
         left = MAX_DATAGRAMS
-        for descriptor, _ in self._poll.poll(0):
-            source = self._sources.get(descriptor)
+        ready = [(self._sources.get(descriptor), descriptor) for descriptor, _ in self._poll.poll(0)]
+        ready.sort(key=lambda one: isinstance(one[0], SharedSocket))  # clients before strangers
+        for source, descriptor in ready:
             for _ in range(min(left, MAX_PER_SOCKET)):
-                if source is None or self._sources.get(descriptor) is not source:
+                if source is None or self._sources.get(descriptor) is not source or self._is_deaf_to(source):
                     break
                 events = self._receive_from(source)
                 if events is None:
@@ -148,13 +167,32 @@ class UdpServer:
                 happened += self.apply_events(events)
         return happened
 
+    def _is_deaf_to(self, source: SharedSocket | Session) -> bool:
+        """Is the budget for strangers used up? Then the shared sockets wake nobody until the next frame."""
+        if isinstance(source, Session) or self._strangers_ns < self._budget_ns:
+            return False
+        for shared in self._shared.values():
+            self._poll.modify(shared.fileno(), 0)
+        return True
+
+    def _listen_to_strangers(self) -> None:
+        """Give the shared sockets a new budget."""
+        if self._strangers_ns >= self._budget_ns:
+            for shared in self._shared.values():
+                self._poll.modify(shared.fileno(), select.EPOLLIN)
+        self._strangers_ns = 0
+
     def expire(self) -> list[Event]:
         """End silent sessions; to be called once a second or so."""
+        self._listen_to_strangers()  # also when no frames come
         return self.apply_events(self.sessions.expire(self._clock.now()))
 
-    def apply(self, rules: SessionRules, mode: str) -> list[Event]:
-        """Go on with other rules; returns what follows: sessions that they do not allow end."""
-        events = self.apply_events(self.sessions.apply(rules, mode))
+    def apply(self, rules: SessionRules, mode: str, at: Instant) -> list[Event]:
+        """Go on with other rules; returns what follows: sessions that they do not allow end.
+
+        at: grab of the first frame that is served by them; clients are told it.
+        """
+        events = self.apply_events(self.sessions.apply(rules, mode, at))
         self._table_is_stale = True  # the encoder reads the clients' options anew
         return events
 
@@ -162,7 +200,7 @@ class UdpServer:
         """End a robot's session if it was opened at an instant, and tell its client."""
         for session in self.sessions:
             if (session.team, session.number, session.opened) == (team, number, since):
-                return self.apply_events(self.sessions.end(session, ErrorCode.NOT_CONNECTED))
+                return self.apply_events(self.sessions.end(session, ErrorCode.NOT_CONNECTED, self._clock.now()))
         return []
 
     def due(self, at: Instant) -> tuple[tuple[Session, ...], Bytes]:
@@ -186,8 +224,12 @@ class UdpServer:
         rows, order = self._table.rows, self._table.order
         events: list[Event] = []
         for row in order[:count] if refusals else ():
-            if rows[row]["result"] == REFUSED and (session := self._in_table[row]) in self._sockets:
-                events += self.apply_events(self.sessions.refused(session, Instant(int(rows[row]["sent_at"]))))
+            session, sent_at = self._in_table[row], Instant(int(rows[row]["sent_at"]))
+            if rows[row]["result"] == UNREACHABLE:
+                session.note_unreachable(sent_at)
+            elif rows[row]["result"] == REFUSED and session in self._sockets:
+                events += self.apply_events(self.sessions.refused(session, sent_at))
+        self._listen_to_strangers()
         last = Instant(int(rows[order[count - 1]]["sent_at"])) if count else None
         return SendSummary(count, last, tuple(events))
 
@@ -201,13 +243,15 @@ class UdpServer:
             match event:
                 case SessionOpened(session) | SessionMoved(session):
                     if not self._open(session):
-                        waiting.extend(self.sessions.not_opened(session))
+                        waiting.extend(self.sessions.not_opened(session, self._clock.now()))
                 case SessionChanged():
                     self._table_is_stale = True
                 case SessionClosed(session):
                     self._close(session)
                 case LagReported(session, report, at):
                     note_report(self.delivery(session), report, self.sessions.rules.boot, at)
+                case SyncAsked():
+                    waiting.extend(self._answer_sync(event))
                 case Reply():
                     waiting.extend(self._send_reply(event))
         return happened
@@ -216,16 +260,38 @@ class UdpServer:
         """The events that follow from the next datagram of a socket; None when there is none."""
         now = self._clock.now()
         if isinstance(source, Session):
-            received = self._sockets[source].receive()
-            port = source.port
-        else:
-            received = source.receive()
-            port = Port.MAIN if source is self._shared[Port.MAIN] else Port.SESSION
+            return self._receive(self._sockets[source], source.port, source, now)
+        port = Port.MAIN if source is self._shared[Port.MAIN] else Port.SESSION
+        began = time.thread_time_ns()
+        events = self._receive(source, port, None, now)
+        self._strangers_ns += time.thread_time_ns() - began
+        return events
+
+    def _receive(
+        self, source: SharedSocket | SessionSocket, port: Port, session: Session | None, now: Instant
+    ) -> list[Event] | None:
+        received = source.receive()
         if isinstance(received, Datagram):
-            return self.sessions.receive(received.data, Peer(*received.peer), Endpoint(port, received.local), now)
-        if received is None or not isinstance(source, Session):
-            return None
-        return self.sessions.refused(source, now)
+            arrived = Instant(self._clock.now() - received.age_ns)
+            endpoint = Endpoint(port, received.local)
+            return self.sessions.receive(received.data, Peer(*received.peer), endpoint, now, arrived)
+        return None if received is None or session is None else self.sessions.refused(session, now)
+
+    def _answer_sync(self, asked: SyncAsked) -> list[Event]:
+        """Tell a client the clock; the answer's own stamp is taken just before it is sent."""
+        sync, boot = asked.sync, self.sessions.rules.boot
+        session_socket = self._sockets.get(asked.session)
+        if session_socket is None:
+            return []
+        reply = SyncReply(sync.id, sync.t1_ns, asked.arrived - boot, self._clock.now() - boot)
+        data = encode(reply) + (b"\0" if asked.session.nul else b"")
+        if session_socket.send(data) is SendResult.REFUSED:
+            return self.sessions.refused(asked.session, self._clock.now())
+        return []
+
+    def tell(self, word: str) -> list[Event]:
+        """Tell every session of version 2 a word of the referee."""
+        return self.apply_events(self.sessions.tell(word, self._clock.now()))
 
     def _send_reply(self, reply: Reply) -> list[Event]:
         if reply.session is None:
@@ -267,7 +333,7 @@ class UdpServer:
         self._in_table = tuple(self._sockets)
         self._table_is_stale = False
         for row, (session, session_socket) in enumerate(self._sockets.items()):
-            self._table.address(row, session_socket.fileno(), session.init.options)
+            self._table.address(row, session_socket.fileno(), session.options)
 
     def _listen(self, descriptor: int, source: SharedSocket | Session) -> None:
         self._sources[descriptor] = source

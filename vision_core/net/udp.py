@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
+from vision_core.arrival_stamps import STAMP_SPACE, age_ns, stamp_arrivals
 from vision_core.errors import ServiceError
 
 Address: TypeAlias = tuple[str, int, int]
@@ -28,7 +29,7 @@ IP_PKTINFO = getattr(socket, "IP_PKTINFO", 8)
 """Linux's number, for Python versions whose socket module does not name it."""
 IN_PKTINFO = struct.Struct("=i4s4s")
 IN6_PKTINFO = struct.Struct("=16si")
-ANCILLARY = socket.CMSG_SPACE(IN6_PKTINFO.size)
+ANCILLARY = socket.CMSG_SPACE(IN6_PKTINFO.size) + STAMP_SPACE
 
 
 class SendResult(Enum):
@@ -49,6 +50,8 @@ class Datagram:
     peer: Address
     local: str
     """Our address that it was sent to."""
+    age_ns: int = 0
+    """How long ago it arrived."""
 
 
 def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[socket.socket, socket.socket]:
@@ -97,7 +100,7 @@ class SharedSocket:
             data, ancillary, _, source = self._socket.recvmsg(MAX_RECEIVED, ANCILLARY)
         except OSError:
             return None
-        return Datagram(data, _address(source), self._local_address(ancillary))
+        return Datagram(data, _address(source), self._local_address(ancillary), age_ns(ancillary))
 
     def send(self, data: bytes, peer: Address, local: str) -> SendResult:
         """Send to a client, from our address that its request was sent to."""
@@ -169,6 +172,7 @@ class SessionSocket:
         self.socket.setblocking(False)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         _request_low_delay(self.socket)
+        stamp_arrivals(self.socket)
         self.socket.bind(_sockaddr(self.socket.family, own))
         self.socket.connect(_sockaddr(self.socket.family, peer))
 
@@ -194,12 +198,12 @@ class SessionSocket:
     def receive(self) -> Datagram | SendResult | None:
         """The next datagram; REFUSED when the client's computer reports a closed port; None when there is neither."""
         try:
-            data, source = self.socket.recvfrom(MAX_RECEIVED)
+            data, ancillary, _, source = self.socket.recvmsg(MAX_RECEIVED, STAMP_SPACE)
         except ConnectionRefusedError:
             return SendResult.REFUSED
         except OSError:
             return None
-        return Datagram(data, _address(source), self._local)
+        return Datagram(data, _address(source), self._local, age_ns(ancillary))
 
 
 def _open_shared(host: str, port: int) -> socket.socket:
@@ -210,6 +214,7 @@ def _open_shared(host: str, port: int) -> socket.socket:
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SHARED_BUFFER)
         _report_local_address(opened)
         _request_low_delay(opened)
+        stamp_arrivals(opened)
         opened.bind(sockaddr)
     except OSError as error:
         opened.close()

@@ -12,12 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vision_core.clock import NS_PER_US, US_PER_MS, US_PER_S
+from vision_core.clock import US_PER_MS, US_PER_S
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.mirror import MM_PER_M
 from vision_core.models.mirror_kernels import px_from_mm
 from vision_core.native.kernels import kernel
 from vision_core.protocol.messages import NOTHING_PX
+from vision_core.protocol.options import EXTRAS
 from vision_core.protocol.see import MAX_DISTANCE_M
 from vision_core.views.outlines import Row
 
@@ -25,22 +26,32 @@ REQUEST = np.dtype(
     [
         ("viewer", np.int32), ("rays", np.int32), ("first", np.int32), ("step", np.int32), ("directions", np.int32),
         ("types", np.int32), ("clockwise", np.int32), ("half_size", np.int32), ("us", np.int32), ("nul", np.int32),
-        ("own_mirror", np.int32), ("fov_deg", np.float64), ("center_deg", np.float64),
+        ("own_mirror", np.int32), ("extras", np.int32), ("blind", np.int32),
+        ("fov_deg", np.float64), ("center_deg", np.float64),
         ("a", np.float64), ("b", np.float64), ("c", np.float64), ("d", np.float64),
     ]
 )  # fmt: skip
 """What one client asked for. viewer: index of its robot; rays: of the coarsest grid that has all its directions;
 first, step: its first direction and the distance to the next one, in these rays, anticlockwise; directions: how many;
-types: index into TextBuffers.edge_codes; own_mirror: not its team's; a, b, c, d: of its mirror, d = a^2 - b^2 c."""
+types: index into TextBuffers.edge_codes; own_mirror: not its team's; extras: the bits of EXTRA_BITS; blind: it is told
+when its robot is not seen; a, b, c, d: of its mirror, d = a^2 - b^2 c."""
+EXTRA_BITS = {name: 1 << place for place, name in enumerate(EXTRAS)}
 
 MAX_HEAD = 32
 """Place of the edges in a slot, and largest length of a datagram's head [bytes]."""
-SLOT = 1408
-"""Size of a slot [bytes]: MAX_HEAD, 3 * MAX_DIRECTIONS and the ball, rounded up to a multiple of 64."""
+SLOT = 1472
+"""Size of a slot [bytes]: the longest datagram, and what a short head leaves of MAX_HEAD; a multiple of 64."""
 WORDS = SLOT // 4
 HEAD = np.frombuffer(b"(see ", dtype=np.uint8)
 EDGE = np.frombuffer(b" ((edge) ", dtype=np.uint8)
 BALL = np.frombuffer(b") ((ball) ", dtype=np.uint8)
+SEQ, AGE, SENT, CONF, FLAGS = (EXTRA_BITS[name] for name in EXTRAS)
+SEQ_HEAD, AGE_HEAD, SENT_HEAD, CONF_HEAD, FLAGS_HEAD = (
+    np.frombuffer(f" (({name})".encode("ascii"), dtype=np.uint8) for name in EXTRAS
+)
+OVERLAP, PARTIAL, PREDICTED, NOPOSE = (
+    np.frombuffer(f" {flag}".encode("ascii"), dtype=np.uint8) for flag in ("overlap", "partial", "predicted", "nopose")
+)
 SPACE, CLOSE, MINUS, POINT, ZERO, NUL = ord(" "), ord(")"), ord("-"), ord("."), ord("0"), 0
 DECIMALS_MS, DECIMALS_US = 3, 6
 
@@ -62,6 +73,26 @@ class TextBuffers(NamedTuple):
     """Scratch: pixels of one view through a client's own mirror or grid, shape (MAX_RAYS,)."""
     page_px: Bytes
     """Pixels of every view through the field's mirror, one per whole degree, shape (VIEWERS, 360)."""
+
+
+class Moment(NamedTuple):
+    """The frame that a datagram is about, and when it is written."""
+
+    frame: int
+    """Number of the camera's image."""
+    grabbed_us: int
+    """Time of the image [us since the server's start]."""
+    written_us: int
+    """Time of the writing."""
+
+
+class Track(NamedTuple):
+    """How well the viewer's own robot is known."""
+
+    percent: int
+    """Confidence of its track."""
+    predicted: bool
+    """The camera did not see it in this image."""
 
 
 @kernel
@@ -95,16 +126,17 @@ def ball_numbers(viewer: Row, request: Row) -> tuple[int, int, int]:
 
 @kernel
 def write_see(
-    time_ns: int, viewer: Row, request: Row, rays: int, kinds: Bytes, px: Bytes, slot: int, buffers: TextBuffers
-) -> tuple[int, int]:
+    moment: Moment, viewer: Row, track: Track, request: Row, rays: int, kinds: Bytes, px: Bytes, slot: int,
+    buffers: TextBuffers,
+) -> tuple[int, int]:  # fmt: skip
     """Write one datagram into a slot; returns where it begins in ``buffers.text`` and how long it is.
 
-    time_ns: grab of the image since the server's start, 0 when it was before; viewer: a row of VIEWER; request: a row
-    of REQUEST; kinds, px: of every ray of the viewer's grid, shape (rays,).
+    viewer: a row of VIEWER, robot -1 when it is not seen; request: a row of REQUEST; kinds, px: of every ray of the
+    viewer's grid, shape (rays,).
     """
     text = buffers.text
     edges = slot * SLOT + MAX_HEAD
-    start = _write_head(max(time_ns, 0) // NS_PER_US, request.us, edges, text)
+    start = _write_head(moment.grabbed_us, request.us, edges, text)
     # The viewer's grid is the finest that any of its clients asked for: this client's rays are every so many-th of it.
     finer = rays // request.rays
     _write_edges(px, kinds, request.first * finer, request.step * finer, rays, request.directions,
@@ -114,13 +146,75 @@ def write_see(
     end = _write_number(distance, text, end)
     end = _write_number(direction, text, end + 1)
     end = _write_number(size, text, end + 1)
-    # Both brackets; the first one replaces the space behind the size.
-    text[end], text[end + 1] = CLOSE, CLOSE
-    end += 2
+    text[end] = CLOSE  # in place of the space behind the size
+    end = _write_extras(moment, viewer, track, request, text, end + 1)
+    text[end] = CLOSE
+    end += 1
     if request.nul:
         text[end] = NUL
         end += 1
     return start, end - start
+
+
+@kernel
+def _write_extras(moment: Moment, viewer: Row, track: Track, request: Row, text: Bytes, at: int) -> int:
+    """Write what the client asked for beyond the paper's message; returns the place behind it."""
+    extras = request.extras
+    if extras & SEQ:
+        at = _close(text, _write_long(moment.frame, text, _open(SEQ_HEAD, text, at)))
+    if extras & AGE:
+        at = _close(text, _write_long(moment.written_us - moment.grabbed_us, text, _open(AGE_HEAD, text, at)))
+    if extras & SENT:
+        at = _write_long(moment.written_us // US_PER_S, text, _open(SENT_HEAD, text, at))
+        text[at] = POINT
+        at = _close(text, _write_decimals(moment.written_us % US_PER_S, DECIMALS_US, text, at + 1))
+    if extras & CONF:
+        at = _close(text, _write_long(track.percent, text, _open(CONF_HEAD, text, at)))
+    if extras & FLAGS or viewer.robot < 0:
+        at = _copy(FLAGS_HEAD, text, at)
+        if viewer.robot < 0:
+            at = _copy(NOPOSE, text, at)
+        else:
+            at = _copy(OVERLAP, text, at) if viewer.overlap else at
+            at = _copy(PARTIAL, text, at) if 0.0 < viewer.ball_visible < 1.0 else at
+            at = _copy(PREDICTED, text, at) if track.predicted else at
+        at = _close(text, at)
+    return at
+
+
+@kernel
+def _open(head: Bytes, text: Bytes, at: int) -> int:
+    """Write the head of an extra and a space; returns the place behind it."""
+    at = _copy(head, text, at)
+    text[at] = SPACE
+    return at + 1
+
+
+@kernel
+def _close(text: Bytes, at: int) -> int:
+    """Write the bracket that ends an extra; returns the place behind it."""
+    text[at] = CLOSE
+    return at + 1
+
+
+@kernel
+def _write_long(number: int, text: Bytes, at: int) -> int:
+    """Write an integer, 0 if it is negative; returns the place behind it."""
+    number = max(number, 0)
+    digits, rest = 1, number
+    while rest >= 10:
+        rest //= 10
+        digits += 1
+    return _write_decimals(number, digits, text, at)
+
+
+@kernel
+def _write_decimals(number: int, digits: int, text: Bytes, at: int) -> int:
+    """Write so many digits of a number; returns the place behind them."""
+    for place in range(digits - 1, -1, -1):
+        text[at + place] = ZERO + number % 10
+        number //= 10
+    return at + digits
 
 
 @kernel
@@ -171,10 +265,8 @@ def _write_head(time_us: int, six: int, edges: int, text: Bytes) -> int:
     decimals = DECIMALS_US if six else DECIMALS_MS
     if not six:
         fraction //= US_PER_MS
-    for _ in range(decimals):
-        at -= 1
-        text[at] = ZERO + fraction % 10
-        fraction //= 10
+    at -= decimals
+    _write_decimals(fraction, decimals, text, at)
     at -= 1
     text[at] = POINT
     while True:

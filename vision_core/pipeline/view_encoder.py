@@ -9,16 +9,27 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from vision_core.clock import Instant
+from vision_core.clock import NS_PER_US, Instant
 from vision_core.geometry import Bytes
 from vision_core.models.from_settings import mirrors_of
 from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.net.delivery import Batch
-from vision_core.pipeline.see_kernels import REQUEST, SLOT, TextBuffers, ball_numbers, view_px, write_see
+from vision_core.pipeline.see_kernels import (
+    EXTRA_BITS,
+    REQUEST,
+    SLOT,
+    Moment,
+    TextBuffers,
+    Track,
+    ball_numbers,
+    view_px,
+    write_see,
+)
 from vision_core.protocol.edge_codes import TYPES, edge_codes
-from vision_core.protocol.messages import Init
+from vision_core.protocol.messages import NOTHING_PX
 from vision_core.protocol.options import PAPER_OPTIONS, TICKS_PER_DEG, Options
 from vision_core.settings.schema import Settings
+from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
 from vision_core.types.tables import DIRECTIONS, MAX_NUMBERS, Table, ViewsTable, WorldTable
 from vision_core.views.outlines import Integers
@@ -37,7 +48,11 @@ class Client(Protocol):
     """The part of a session that decides what is sent to it."""
 
     @property
-    def init(self) -> Init: ...
+    def team(self) -> Team: ...
+    @property
+    def number(self) -> int: ...
+    @property
+    def options(self) -> Options: ...
     @property
     def nul(self) -> bool: ...
 
@@ -56,6 +71,9 @@ class EncoderContext(NamedTuple):
     requests: Table
     """The REQUEST of each client, shape (n,)."""
     text: TextBuffers
+    nothing_kinds: Bytes
+    """What a robot sees that the camera does not see: nothing in every direction, shape (MAX_RAYS,)."""
+    nothing_px: Bytes
     starts: Integers
     """Output: place of each client's datagram in text.text [bytes], shape (n,)."""
     lengths: Integers
@@ -63,10 +81,11 @@ class EncoderContext(NamedTuple):
 
 
 @kernel
-def encode_views(world: Table, due: Bytes, boxed: Boxed) -> None:
+def encode_views(world: Table, due: Bytes, now: int, boxed: Boxed) -> None:
     """Render the views of a world, and encode them: as snapshots for the page, as datagrams for the clients due.
 
-    world: WORLD, shape (1,); due: 1 for the clients that get a datagram, shape (n,); boxed: EncoderContext.
+    world: WORLD, shape (1,); due: 1 for the clients that get a datagram, shape (n,); now: when they are written [ns];
+    boxed: EncoderContext.
     """
     context: EncoderContext = boxed.value
     views, requests, text = context.views, context.requests, context.text
@@ -79,20 +98,31 @@ def encode_views(world: Table, due: Bytes, boxed: Boxed) -> None:
             views.rays[index] = max(views.rays[index], requests[k].rays)
     render_views(world, context.scene, views)
     _write_page_views(world, views, context.page_requests, text.page_px, context.page_views)
+    at = world[0].at
+    moment = Moment(
+        world[0].frame_number, max(at - context.boot, 0) // NS_PER_US, max(now - context.boot, 0) // NS_PER_US
+    )
     for k in range(len(requests)):
         request = requests[k]
         viewer = views.viewers[request.viewer]
-        if not due[k] or viewer.robot < 0:
+        rays = views.rays[request.viewer]
+        if not due[k] or (viewer.robot < 0 and not request.blind):
             starts[k] = lengths[k] = 0
             continue
+        if viewer.robot < 0:
+            viewer.ball_visible = 0.0
+            kinds, px, track = context.nothing_kinds[:rays], context.nothing_px[:rays], Track(0, False)
+            starts[k], lengths[k] = write_see(moment, viewer, track, request, rays, kinds, px, k, text)
+            continue
+        robot = world[0].robots[viewer.robot]
+        track = Track(round(100.0 * robot.confidence), robot.seen < at)
         # Pixels through the robot's mirror are computed already, for the page.
-        rays = views.rays[request.viewer]
         kinds, px = views.kinds[viewer.first_ray : viewer.first_ray + rays], text.px[:rays]
         if rays == DIRECTIONS and not request.own_mirror:
             px = text.page_px[request.viewer]
         else:
             view_px(views.distances_m[viewer.first_ray :], request.a, request.b, request.c, request.d, px)
-        starts[k], lengths[k] = write_see(world[0].at - context.boot, viewer, request, rays, kinds, px, k, text)
+        starts[k], lengths[k] = write_see(moment, viewer, track, request, rays, kinds, px, k, text)
 
 
 @kernel
@@ -139,8 +169,6 @@ class ViewEncoder:
         self._boot = boot
         self._mirrors = mirrors_of(settings.mirror)
         """Of each robot, for the page's views and for clients that ask for no other."""
-        self._own_mirrors = settings.match.allows_own_mirrors
-        """Clients may ask for another one."""
         self.codes = edge_codes(settings.protocol.letters)
         self._letters = np.array([self.codes[types] for types in TYPES])
         self._page: Table = np.zeros(VIEWERS, dtype=REQUEST)
@@ -149,10 +177,16 @@ class ViewEncoder:
         self.views = ViewsTable()
         """The page's views of the last world."""
         self._page_px = np.zeros((VIEWERS, DIRECTIONS), dtype=np.uint8)
+        self._nothing_kinds = np.full(MAX_RAYS, EdgeKind.NOTHING, dtype=np.uint8)
+        self._nothing_px = np.full(MAX_RAYS, NOTHING_PX, dtype=np.uint8)
         self._prepare(())
 
-    def write(self, world: WorldTable, clients: Sequence[Client], due: Bytes | None = None) -> Batch:
+    def write(
+        self, world: WorldTable, clients: Sequence[Client], due: Bytes | None = None, now: Instant | None = None
+    ) -> Batch:
         """The datagrams of a world, one for each client that is due (None: all) and whose robot is in it.
+
+        A client of version 2 is told as well when its robot is not in it. now: None: when the image was grabbed.
 
         The next call overwrites them. The clients' options are read only when `clients` is another object than in the
         last call. due: 1 or 0 for each client. Raises ValueError unless there is one for each client.
@@ -162,13 +196,13 @@ class ViewEncoder:
         due = self._all if due is None else due
         if len(due) != len(clients):
             raise ValueError(f"{len(due)} marks for {len(clients)} clients")
-        encode_views(world.whole, due, self._boxed)
+        encode_views(world.whole, due, int(world.whole[0]["at"]) if now is None else now, self._boxed)
         return self._batch
 
     def request(self, team: Team, number: int, options: Options, *, nul: bool) -> Table:
         """A client's row of REQUEST. Raises ValueError when its directions are on no grid of a view."""
         given = self._mirrors[team, number]
-        mirror = (options.mirror if self._own_mirrors else None) or given
+        mirror = options.mirror or given
         rays = options.rays_per_circle
         per_deg = rays // 360
         sign = 1 if options.sense == "ccw" else -1
@@ -181,7 +215,8 @@ class ViewEncoder:
         row[0] = (
             viewer_index(team, number), rays, sign * int(first) % rays, sign * int(step) % rays, options.directions,
             TYPES.index(options.types), options.sense == "cw", options.size == "half", options.time == "us", nul,
-            mirror != given, options.fov_deg, options.center_deg, mirror.a, mirror.b, mirror.c, mirror.d,
+            mirror != given, sum(EXTRA_BITS[name] for name in options.extras), options.version > 1,
+            options.fov_deg, options.center_deg, mirror.a, mirror.b, mirror.c, mirror.d,
         )  # fmt: skip
         return row[0]  # type: ignore[no-any-return]
 
@@ -191,8 +226,7 @@ class ViewEncoder:
         self._clients = clients
         self._requests: Table = np.zeros(count, dtype=REQUEST)
         for row, client in enumerate(clients):
-            init = client.init
-            self._requests[row] = self.request(init.team, init.number, init.options, nul=client.nul)
+            self._requests[row] = self.request(client.team, client.number, client.options, nul=client.nul)
         words = np.zeros(max(count, 1) * SLOT // 4, dtype=np.uint32)
         hex_words = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).encode(), dtype=np.uint32).copy()
         text = words.view(np.uint8)
@@ -204,6 +238,7 @@ class ViewEncoder:
         self._boxed = box(
             EncoderContext(
                 int(self._boot), self.renderer.scene, self.renderer.buffers, self._page, self.views.whole,
-                self._requests, self.text, self._batch.starts, self._batch.lengths,
+                self._requests, self.text, self._nothing_kinds, self._nothing_px, self._batch.starts,
+                self._batch.lengths,
             )
         )  # fmt: skip

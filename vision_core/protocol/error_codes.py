@@ -15,6 +15,7 @@ class ErrorCode(StrEnum):
     NOT_ADMITTED = "not_admitted"
     ALREADY_CONNECTED = "already_connected"
     REPLACED = "replaced"
+    WRONG_KEY = "wrong_key"
     SERVER_FULL = "server_full"
     NOT_CONNECTED = "not_connected"
     NOT_READY = "not_ready"
@@ -34,6 +35,7 @@ MEANINGS: dict[str, str] = {
     ErrorCode.NOT_ADMITTED: "the server does not serve this address (its key admission.subnets)",
     ErrorCode.ALREADY_CONNECTED: "another computer controls this robot",
     ErrorCode.REPLACED: "a newer client took this robot over",
+    ErrorCode.WRONG_KEY: "this is not the team's key",
     ErrorCode.SERVER_FULL: "the server has no socket left",
     ErrorCode.NOT_CONNECTED: "there is no such session",
     ErrorCode.NOT_READY: "the server still prepares: try again in a second",

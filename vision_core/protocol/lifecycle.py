@@ -13,11 +13,18 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from vision_core.clock import Instant
-from vision_core.protocol.codec import decode_commands, encode
+from vision_core.clock import Instant, seconds_between
+from vision_core.protocol.commands import decode_commands
+from vision_core.protocol.encoding import encode
 from vision_core.protocol.messages import Init
+from vision_core.protocol.options import HIGHEST_VERSION, PAPER_OPTIONS, Options
 from vision_core.protocol.rate_limits import RateLimiter
 from vision_core.types.objects import Team
+
+FORSAKEN_S = 3.0
+"""The network has to say for so long that nothing is at an address until another client may have the robot."""
+UNREACHABLE_GAP_S = 1.0
+"""Reports that are farther apart are of two failures of the network."""
 
 
 class Peer(NamedTuple):
@@ -91,6 +98,19 @@ TRANSITIONS: Mapping[tuple[SessionState, SessionTrigger], SessionState] = Mappin
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """Another client on the owner's computer asks for the robot: it waits until the owner fails to answer."""
+
+    init: Init
+    nul: bool
+    peer: Peer
+    port: Port
+    """Where the claim arrived, and our address there."""
+    local: str
+    at: Instant
+
+
 @dataclass(slots=True, eq=False)
 class Session:
     """The protocol state of one client's control of one robot. Only ``Sessions`` changes it."""
@@ -110,6 +130,18 @@ class Session:
     inits: int = 1
     """Equal inits in a row, with no other datagram in between."""
     limiter: RateLimiter = field(default_factory=RateLimiter)
+    options: Options = PAPER_OPTIONS
+    """What the client gets of what it asks for: ``SessionRules.granted``."""
+    has_key: bool = False
+    """It was opened with the team's key, so its address need not be admitted."""
+    claim: Claim | None = None
+    unreachable: tuple[Instant, Instant] | None = None
+    """First and last time that the network said, without a long pause, that nothing is at the client's address."""
+
+    @property
+    def version(self) -> int:
+        """Of the protocol, as the client speaks it."""
+        return min(self.init.options.version, HIGHEST_VERSION)
 
     @property
     def team(self) -> Team:
@@ -132,6 +164,18 @@ class Session:
         changed, self.state = after is not self.state, after
         return changed
 
+    def note_unreachable(self, now: Instant) -> None:
+        """The network reports that nothing is at the client's address."""
+        first, last = self.unreachable or (now, now)
+        self.unreachable = (first if seconds_between(last, now) <= UNREACHABLE_GAP_S else now), now
+
+    def is_forsaken(self, now: Instant) -> bool:
+        """Was the client never heard, and is nothing at its address? Its init may have had a forged sender."""
+        if self.state is not SessionState.TRYING or self.unreachable is None:
+            return False
+        first, last = self.unreachable
+        return seconds_between(last, now) <= UNREACHABLE_GAP_S and seconds_between(first, last) >= FORSAKEN_S
+
     def to_plain(self) -> dict[str, Any]:
         """Everything that a restarted server needs, as JSON types. Rate limits begin anew there."""
         return {
@@ -145,6 +189,7 @@ class Session:
             "heard": self.heard,
             "inited": self.inited,
             "inits": self.inits,
+            "has_key": self.has_key,
         }
 
     @staticmethod
@@ -164,4 +209,5 @@ class Session:
             heard=Instant(plain["heard"]),
             inited=Instant(plain["inited"]),
             inits=int(plain["inits"]),
+            has_key=bool(plain["has_key"]),
         )

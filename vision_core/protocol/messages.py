@@ -1,16 +1,28 @@
 """What client and server say to each other: frozen records, no bytes."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TypeAlias
 
 from vision_core.clock import US_PER_S
 from vision_core.models.mirror import Mirror
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.options import PAPER_OPTIONS, Options
+from vision_core.protocol.proofs import NO_PROOF, Proof
+from vision_core.protocol.s_expressions import Form
 from vision_core.types.objects import Team
 
 MAX_NUMBER = 16
 """Robots per team that the letters of ``(types number)`` can tell apart."""
+PLAY_MODES = frozenset(
+    {
+        "before_kick_off", "play_on", "kick_off_l", "kick_off_r", "kick_in_l", "kick_in_r", "free_kick_l",
+        "free_kick_r", "corner_kick_l", "corner_kick_r", "goal_kick_l", "goal_kick_r", "goal_l", "goal_r",
+        "penalty_kick_l", "penalty_kick_r", "drop_ball", "first_half_over", "pause", "time_over",
+    }
+)  # fmt: skip
+"""SoccerServer's words; l and r are the sides that the teams defend."""
 MAX_LAG_S = 10.0
 """A report of a longer lag is taken for a mistake of the client."""
 REPORT_PERIOD_S = 0.5
@@ -27,7 +39,9 @@ class Init:
     number: int
     options: Options = PAPER_OPTIONS
     unknown_options: bool = False
-    """A client of a higher version asked for options that this server does not know."""
+    """From version 2 on: some options are not known to this server."""
+    proof: Proof = field(default=NO_PROOF, compare=False)
+    """Not a part of what is asked for: the same init with another cookie is a repeated init."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +75,50 @@ class MirrorQuery:
 
 
 @dataclass(frozen=True, slots=True)
+class Reconnect:
+    """``(reconnect blue 3 (key K))``: a team's client goes on with a robot, from whatever address it has now."""
+
+    team: Team
+    number: int
+    proof: Proof
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    """``(set (rate 10))``, or ``(set blue 3 (rate 10))``: a client changes options of its session."""
+
+    forms: tuple[str | Form, ...]
+    """The options as they came: what they mean depends on those in force."""
+    team: Team | None = None
+    number: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Ping:
+    """``(ping)``, ``(ping 7)``: is there somebody? From the server: is the client still there?"""
+
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """``(sync Id T1)``: a client asks for the server's clock."""
+
+    id: int
+    t1_ns: int
+    """The client's clock when it sent this."""
+
+
+@dataclass(frozen=True, slots=True)
 class InvalidCommand:
     """A command that is answered with an error."""
 
     error: ErrorCode
 
 
-Command: TypeAlias = Init | Bye | LagReport | MirrorQuery | InvalidCommand
+RobotCommand: TypeAlias = Bye | LagReport | MirrorQuery | Set
+"""A command about one session; from a socket with several robots it names the robot."""
+Command: TypeAlias = Init | Reconnect | RobotCommand | Ping | Sync | InvalidCommand
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,11 +132,88 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class InitReply:
-    """``(init blue 3 play_on)``: the session is open."""
+    """``(init blue 3 play_on)``: the session is open. From version 2 on, pairs tell what it has."""
 
     team: Team
     number: int
     mode: str
+    facts: "SessionFacts | None" = None
+
+
+@dataclass(frozen=True, slots=True)
+class SessionFacts:
+    """What a client of version 2 has to know about its session, as pairs of the answer to ``init``."""
+
+    version: int
+    """Of the protocol, as the server speaks it."""
+    session: int
+    """The UDP port that views come from."""
+    lease_s: float
+    """A session ends when its client has sent nothing for so long."""
+    period_ms: float
+    """Between two camera frames."""
+    mirror: Mirror
+    rmin_mm: float
+    """No edge is nearer than this."""
+    rmax_mm: float
+    """No edge is farther than this: the diagonal of the field."""
+    fov_deg: float
+    center_deg: float
+    resolution_deg: float
+    types: str
+    clock_ns: int
+    """Time when this was written."""
+    boot: str
+    """Names this start of the server: when it changes, Time has begun anew."""
+    venue: str
+    field_mm: tuple[float, float]
+    """Length and width between the lines."""
+
+
+@dataclass(frozen=True, slots=True)
+class Challenge:
+    """``(challenge 0123456789abcdef01234567)``: send the init again, with ``(cookie 0123456789abcdef01234567)``."""
+
+    cookie: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pong:
+    """``(pong)``, ``(pong 7)``: the answer to a ping, with its number."""
+
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SyncReply:
+    """``(sync Id T1 T2 T3)``: the server's clock, which is that of Time."""
+
+    id: int
+    t1_ns: int
+    """As it came."""
+    t2_ns: int
+    """When the question arrived."""
+    t3_ns: int
+    """When this was sent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ok:
+    """``(ok set)``: a command was carried out."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Hear:
+    """``(hear Time referee play_on)``: what a session of version 2 is told when it happens.
+
+    Of the referee: a play mode, or ``vision_lost`` and ``vision_back``. Of the mirror: its constants from this Time on.
+    """
+
+    time_us: int
+    sender: str
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +239,8 @@ class WarningReply:
     name: str
 
 
+UNKNOWN_OPTION = "unknown_option"
+"""Name of the warning that the server does not know an option."""
 FIXED_BY_MATCH = "fixed_by_match"
 """Name of the warning that an option is not granted because the match fixes it."""
 
@@ -132,6 +262,9 @@ class Ball:
 HIDDEN = Ball(-1, 0, 0)
 
 
+NO_EXTRAS: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+
+
 @dataclass(frozen=True, slots=True)
 class See:
     """``(see Time ((edge) EdgeString) ((ball) Distance Direction Size))``."""
@@ -141,6 +274,8 @@ class See:
     edges: bytes
     """Three characters per direction: the type and two hexadecimal digits."""
     ball: Ball
+    extras: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: NO_EXTRAS)
+    """What follows the ball, by name: only what was asked for."""
 
     @property
     def time_s(self) -> float:
@@ -148,4 +283,6 @@ class See:
         return self.time_us / US_PER_S
 
 
-ServerMessage: TypeAlias = InitReply | MirrorReply | See | ErrorReply | WarningReply
+ServerMessage: TypeAlias = (
+    InitReply | Challenge | MirrorReply | See | Hear | Ping | Pong | SyncReply | Ok | ErrorReply | WarningReply
+)

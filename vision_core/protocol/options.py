@@ -1,4 +1,4 @@
-"""The options of ``(init ...)``, and the parser of each.
+"""The options of ``(init ...)`` and ``(set ...)``, and the parser of each.
 
 Option names and words are those of the wire. An init with an illegal option opens no session.
 """
@@ -18,13 +18,23 @@ from vision_core.models.mirror import Mirror
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.s_expressions import Form, integer, real
 
-HIGHEST_VERSION = 1
+HIGHEST_VERSION = 2
 """The server answers clients of a higher version as if they had asked for this one."""
 MAX_DATAGRAM = 1400
 """Longest datagram of the server [bytes]: fits into an Ethernet frame with every header in use."""
 SEE_OVERHEAD = len("(see 9999999999.999999 ((edge) ) ((ball) 254 359 360))\0")
 """Greatest length of a ``see`` without its edges [bytes]."""
 MAX_DIRECTIONS = (MAX_DATAGRAM - SEE_OVERHEAD) // 3
+EXTRAS: Mapping[str, int] = MappingProxyType(
+    {
+        "seq": len(" ((seq) 9999999999)"),
+        "age": len(" ((age) 9999999999)"),
+        "sent": len(" ((sent) 9999999999.999999)"),
+        "conf": len(" ((conf) 100)"),
+        "flags": len(" ((flags) overlap partial predicted)"),
+    }
+)
+"""The greatest length of what each extra appends to a ``see`` [bytes], in the order in which they are appended."""
 TICKS_PER_DEG = 4
 """Directions lie on a grid of a quarter of a degree."""
 MAX_RATE_HZ = 1000
@@ -52,6 +62,8 @@ class Options:
     """full | half: the ball's whole azimuth, or half of it."""
     sense: str = "ccw"
     """ccw | cw: directions grow anticlockwise or clockwise."""
+    extras: tuple[str, ...] = ()
+    """Of EXTRAS, in their order: what follows the ball in each ``see``. From version 2 on."""
     port_same: bool = False
     """Views come from the port that init was sent to."""
 
@@ -80,12 +92,12 @@ PAPER_OPTIONS = Options()
 OptionParser = Callable[[Options, Sequence[str | Form]], Options | None]
 
 
-def options_from_forms(forms: Sequence[str | Form]) -> tuple[Options, bool] | ErrorCode:
-    """The options of an init, and whether some are unknown; or the error that refuses them.
+def options_from_forms(forms: Sequence[str | Form], base: Options = PAPER_OPTIONS) -> tuple[Options, bool] | ErrorCode:
+    """Options as forms change them, and whether some are unknown; or the error that refuses them.
 
-    Unknown options are ignored if the client's version is higher than the server's, and refused otherwise.
+    base: what holds without the forms. Unknown options are ignored from version 2 on, and refused in version 1.
     """
-    options, unknown, seen = Options(), False, set()
+    options, unknown, seen = base, False, set()
     for form in forms:
         if not isinstance(form, tuple) or not form or not isinstance(form[0], str) or form[0] in seen:
             return ErrorCode.ILLEGAL_OPTION
@@ -98,7 +110,8 @@ def options_from_forms(forms: Sequence[str | Form]) -> tuple[Options, bool] | Er
         if changed is None:
             return ErrorCode.ILLEGAL_MIRROR if form[0] == "mirror" else ErrorCode.ILLEGAL_OPTION
         options = changed
-    if (unknown and options.version <= HIGHEST_VERSION) or not _has_valid_directions(options):
+    of_version_2 = unknown or options.extras
+    if (of_version_2 and options.version < 2) or not _fits(options):
         return ErrorCode.ILLEGAL_OPTION
     return options, unknown
 
@@ -164,6 +177,8 @@ def encode_options(options: Options) -> str:
     words += [
         f"({name} {getattr(options, name)})" for name in named if getattr(options, name) != getattr(default, name)
     ]
+    if options.extras:
+        words.append(f"(extra {' '.join(options.extras)})")
     if options.port_same:
         words.append("(port same)")
     return " ".join(words)
@@ -177,10 +192,11 @@ def _on_grid(angle_deg: float) -> bool:
     return (angle_deg * TICKS_PER_DEG).is_integer()
 
 
-def _has_valid_directions(options: Options) -> bool:
-    """Do the directions lie on the grid of rays, and does their number fit into a datagram?"""
+def _fits(options: Options) -> bool:
+    """Do the directions lie on the grid of rays, and do they and the extras fit into a datagram?"""
     on_grid = _on_grid(options.first_deg) and _on_grid(options.resolution_deg)
-    return on_grid and 1 <= options.directions <= MAX_DIRECTIONS
+    length = SEE_OVERHEAD + 3 * options.directions + sum(EXTRAS[name] for name in options.extras)
+    return on_grid and options.directions >= 1 and length <= MAX_DATAGRAM
 
 
 def _version(options: Options, words: Sequence[str | Form]) -> Options | None:
@@ -214,6 +230,13 @@ def _resolution(options: Options, words: Sequence[str | Form]) -> Options | None
     return replace(options, resolution_deg=step) if step is not None and 0.0 < step <= 360.0 else None
 
 
+def _extra(options: Options, words: Sequence[str | Form]) -> Options | None:
+    asked = set(words)
+    if not words or len(asked) != len(words) or not asked <= EXTRAS.keys():
+        return None
+    return replace(options, extras=tuple(name for name in EXTRAS if name in asked))
+
+
 def _port(options: Options, words: Sequence[str | Form]) -> Options | None:
     return replace(options, port_same=True) if tuple(words) == ("same",) else None
 
@@ -238,6 +261,7 @@ OPTION_PARSERS: Mapping[str, OptionParser] = MappingProxyType(
         "time": _one_of("time", "ms", "us"),
         "size": _one_of("size", "full", "half"),
         "sense": _one_of("sense", "ccw", "cw"),
+        "extra": _extra,
         "port": _port,
     }
 )

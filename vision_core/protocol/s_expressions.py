@@ -1,4 +1,7 @@
-"""S-expressions: text -> nested tuples of words, without recursion, with bounded depth and number of forms."""
+"""S-expressions: text -> nested tuples of words, without recursion, with bounded depth and number of forms.
+
+Words are read in any letter case, but for the one after ``key``: a team's key is random text.
+"""
 
 import re
 from typing import TypeAlias, Union
@@ -18,12 +21,12 @@ _REAL = re.compile(r"[+-]?(?:[0-9]{1,20}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})(?:[eE]
 
 
 def parse_forms(body: bytes) -> tuple[Form, ...] | None:
-    """The 1 to 16 forms of a datagram, in lower case; None when there is a mistake in them."""
+    """The 1 to 16 forms of a datagram, in lower case but for keys; None when there is a mistake in them."""
     if not _LEGAL.fullmatch(body):
         return None
     done: list[Form] = []
     open_forms: list[list[str | Form]] = []
-    for match in _TOKENS.finditer(body.decode("ascii").lower()):
+    for match in _TOKENS.finditer(body.decode("ascii")):
         word = match.group()
         if word == "(":
             if len(open_forms) == MAX_DEPTH or len(done) == MAX_FORMS:
@@ -35,7 +38,7 @@ def parse_forms(body: bytes) -> tuple[Form, ...] | None:
             form = tuple(open_forms.pop())
             (open_forms[-1] if open_forms else done).append(form)
         else:
-            open_forms[-1].append(word)
+            open_forms[-1].append(word if open_forms[-1] == ["key"] else word.lower())
     return tuple(done) if done and not open_forms else None
 
 

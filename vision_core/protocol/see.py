@@ -5,15 +5,16 @@ compare that code with this module, byte for byte.
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from vision_core.clock import NS_PER_US, Instant
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.mirror import MM_PER_M, Mirror
-from vision_core.protocol.codec import encode_see
 from vision_core.protocol.edge_codes import EdgeCodes
-from vision_core.protocol.messages import HIDDEN, NOTHING_PX, Ball, See
+from vision_core.protocol.encoding import encode_see
+from vision_core.protocol.messages import HIDDEN, NO_EXTRAS, NOTHING_PX, Ball, See
 from vision_core.protocol.options import Options, ray_indices
 from vision_core.types.edges import EdgeKind
 from vision_core.types.views import BallView, RobotView
@@ -26,13 +27,20 @@ _PADDED_HEX = np.frombuffer("".join(f"\0{value:02x}\0" for value in range(256)).
 
 
 def reference_see(
-    view: RobotView, options: Options, mirror: Mirror, codes: EdgeCodes, boot: Instant, *, nul: bool = False
+    view: RobotView,
+    options: Options,
+    mirror: Mirror,
+    codes: EdgeCodes,
+    boot: Instant,
+    *,
+    nul: bool = False,
+    extras: Mapping[str, tuple[str, ...]] = NO_EXTRAS,
 ) -> bytes:
     """The datagram of a view as a client asked for it.
 
     view: its rays are evenly spaced over the circle, ray 0 ahead, anticlockwise. mirror: the field's, used unless the
-    options have one. boot: where Time is 0. Raises ValueError unless the number of rays is a multiple of
-    ``options.rays_per_circle``.
+    options have one. boot: where Time is 0. extras: what follows the ball. Raises ValueError unless the number of rays
+    is a multiple of ``options.rays_per_circle``.
     """
     own = options.mirror or mirror
     px, kinds = reference_px(view, own), view.kinds
@@ -42,7 +50,7 @@ def reference_see(
     letters = codes[options.types]
     types = np.where(px == NOTHING_PX, letters[EdgeKind.NOTHING], letters.take(kinds))
     edges = (_PADDED_HEX.take(px) | types).view(np.uint8).reshape(-1, 4)[:, :3]
-    see = See((view.at - boot) // NS_PER_US, edges.tobytes(), reference_ball(view.ball, options, own))
+    see = See((view.at - boot) // NS_PER_US, edges.tobytes(), reference_ball(view.ball, options, own), extras)
     return encode_see(see, options.time) + (b"\0" if nul else b"")
 
 

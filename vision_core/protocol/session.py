@@ -6,55 +6,70 @@ closes the sockets of sessions, and sends the replies.
 """
 
 import json
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
-from vision_core.clock import Instant, seconds_between
-from vision_core.errors import SettingsError
-from vision_core.models.mirror import Mirror, check_span
-from vision_core.protocol.admission import Admission
-from vision_core.protocol.codec import MAX_COMMAND, decode_commands, encode
+from vision_core.clock import NS_PER_US, Instant, seconds_between
+from vision_core.protocol.commands import MAX_COMMAND, decode_commands
+from vision_core.protocol.door import Door
+from vision_core.protocol.encoding import Answer
 from vision_core.protocol.error_codes import ErrorCode
-from vision_core.protocol.lifecycle import Peer, Port, Session, SessionState, SessionTrigger
+from vision_core.protocol.events import (
+    Endpoint,
+    Event,
+    LagReported,
+    Reply,
+    Sender,
+    SessionChanged,
+    SessionClosed,
+    SessionMoved,
+    SessionOpened,
+    SyncAsked,
+    answer,
+    refusal,
+    reply_to,
+)
+from vision_core.protocol.lifecycle import Claim, Peer, Port, Session, SessionState, SessionTrigger
 from vision_core.protocol.messages import (
     FIXED_BY_MATCH,
+    UNKNOWN_OPTION,
     Bye,
     Command,
     ErrorReply,
+    Hear,
     Init,
     InitReply,
     InvalidCommand,
     LagReport,
     MirrorQuery,
     MirrorReply,
+    Ok,
+    Ping,
+    Pong,
+    Reconnect,
     Request,
+    RobotCommand,
+    Set,
+    Sync,
     WarningReply,
 )
+from vision_core.protocol.options import encode_mirror, options_from_forms
+from vision_core.protocol.proofs import NO_PROOF
 from vision_core.protocol.rate_limits import (
-    AMPLIFICATION,
-    DATAGRAM,
     INVALID,
-    Rate,
     RateLimiter,
-    RateLimiterTable,
-    SharedBudget,
-    TokenBucket,
 )
+from vision_core.protocol.rules import SessionRules
 from vision_core.types.objects import Team
 
-ALL_DATAGRAMS_RATE = Rate(400.0, 400)
-"""Datagrams of all admitted addresses that have no session."""
-ALL_INITS_RATE = Rate(100.0, 100)
-"""Inits of all addresses; a session that repeats its init is not counted."""
-STRANGER_RATE = Rate(50.0, 50)
-"""Datagrams of addresses that are not admitted: as many are read, the others are dropped unread."""
 UNHEARD_INITS = 3
 """After so many equal inits the client is taken not to receive from the session port."""
 REPEAT_S = 10.0
 """An equal init that comes so soon after the last one is a repetition."""
 AT_ONCE_S = 2.0
 """A closed port reported so soon after an init: the client does not receive from this port. Later: it has ended."""
+CLAIM_S = 1.0
+"""For so long the owner of a robot may answer when another client on its computer asks for the robot."""
 LIMITED_ERRORS = frozenset(
     {
         ErrorCode.ILLEGAL_FORM,
@@ -65,107 +80,8 @@ LIMITED_ERRORS = frozenset(
     }
 )
 """Errors that one sender is told at most once in 5 s. The others, about an init, it is told each time."""
-SNAPSHOT = 2
+SNAPSHOT = 3
 """Version of the form of a snapshot."""
-
-
-@dataclass(frozen=True, slots=True)
-class Endpoint:
-    """Where a datagram arrived, and where its answer is sent from."""
-
-    port: Port
-    local: str
-    """Our address."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """Send this through the session's socket; without a session, from where the request arrived."""
-
-    data: bytes
-    to: Peer
-    via: Endpoint
-    session: Session | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class SessionOpened:
-    """There is a new session."""
-
-    session: Session
-
-
-@dataclass(frozen=True, slots=True)
-class SessionMoved:
-    """The session's port has changed."""
-
-    session: Session
-
-
-@dataclass(frozen=True, slots=True)
-class SessionChanged:
-    """The client has asked for other options, or another end of its messages."""
-
-    session: Session
-
-
-@dataclass(frozen=True, slots=True)
-class SessionClosed:
-    """The session has ended."""
-
-    session: Session
-    reason: SessionTrigger
-
-
-@dataclass(frozen=True, slots=True)
-class LagReported:
-    """A client has reported its share of the lag."""
-
-    session: Session
-    report: LagReport
-    at: Instant
-
-
-@dataclass(frozen=True, slots=True)
-class RequestRefused:
-    """A request was refused; the operator is shown it."""
-
-    peer: Peer
-    error: ErrorCode
-    team: Team | None = None
-    """Of the robot that an init named."""
-    number: int | None = None
-
-
-Event: TypeAlias = Reply | SessionOpened | SessionMoved | SessionChanged | SessionClosed | LagReported | RequestRefused
-
-
-@dataclass(frozen=True, slots=True)
-class SessionRules:
-    """What a server prescribes."""
-
-    boot: Instant
-    """Where Time is 0."""
-    numbers: int
-    """Robots per team that may connect."""
-    lease_s: float
-    """A session ends when its client has sent nothing for so long."""
-    diagonal_m: float
-    """Of the field: a client's mirror must reach so far."""
-    mirrors: Mapping[tuple[Team, int], Mirror]
-    """Of each robot, by team and number."""
-    admission: Admission
-    own_mirrors: bool = True
-    """Clients may choose another mirror; not in a match."""
-
-    def mirror_of(self, session: Session) -> Mirror:
-        """The mirror through which a session's robot sees."""
-        own = session.init.options.mirror if self.own_mirrors else None
-        return own or self.mirrors[session.team, session.number]
-
-    def fixes(self, session: Session) -> bool:
-        """Does the match fix something that a session's client has asked for?"""
-        return session.init.options.mirror is not None and not self.own_mirrors
 
 
 @dataclass(slots=True)
@@ -185,16 +101,16 @@ class Sessions:
     """The server's side of the protocol, without sockets."""
 
     def __init__(self, rules: SessionRules) -> None:
-        self.rules = rules
         self.mode = "play_on"
         """Play mode in answers to init."""
         self.counts = DatagramCounts()
         self._by_robot: dict[tuple[Team, int], Session] = {}
-        self._limiters = RateLimiterTable()
-        self._stranger_limiters = RateLimiterTable()  # a table of its own: strangers cannot push others out of theirs
-        self._datagrams = SharedBudget("datagrams", ALL_DATAGRAMS_RATE)
-        self._inits = SharedBudget("inits", ALL_INITS_RATE)
-        self._strangers = TokenBucket(STRANGER_RATE)
+        self._door = Door(rules)
+
+    @property
+    def rules(self) -> SessionRules:
+        """What the server prescribes."""
+        return self._door.rules
 
     def __iter__(self) -> Iterator[Session]:
         return iter(tuple(self._by_robot.values()))
@@ -202,17 +118,19 @@ class Sessions:
     def __len__(self) -> int:
         return len(self._by_robot)
 
-    def receive(self, datagram: bytes, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event]:
-        """The events that follow from a datagram."""
+    def receive(
+        self, datagram: bytes, peer: Peer, endpoint: Endpoint, now: Instant, arrived: Instant | None = None
+    ) -> list[Event]:
+        """The events that follow from a datagram. arrived: when the kernel received it; None: now."""
         self.counts.received += 1
         if len(datagram) > MAX_COMMAND:
             self.counts.ignored += 1
             return []
         owned = self._owned_by(peer)
         if not owned and not self.rules.admission.admits(peer.host):
-            return self._turn_away(datagram, peer, endpoint, now)
-        limiter = owned[0].limiter if owned else self._limiters.of(peer.host)
-        if not (limiter.take(DATAGRAM, now) and (owned or self._datagrams.take(limiter, now))):
+            return self._turn_away(datagram, Sender(peer, endpoint, now, now))
+        limiter = owned[0].limiter if owned else self._door.limiter(peer.host)
+        if not self._door.lets_in(limiter, now, known=bool(owned)):
             self.counts.limited += 1
             return []
         request = decode_commands(datagram)
@@ -224,46 +142,59 @@ class Sessions:
             if endpoint.port is Port.SESSION:
                 session.inits = 0
                 session.step(SessionTrigger.SPOKE)
-        return self._dispatch_all(request, limiter, peer, endpoint, now)
+        return self._dispatch_all(request, limiter, Sender(peer, endpoint, now, arrived or now))
 
     def refused(self, session: Session, now: Instant) -> list[Event]:
         """The computer of a session's client reports that the port is closed."""
-        at_once = seconds_between(session.inited, now) <= AT_ONCE_S
-        return self._step(session, SessionTrigger.REFUSED_AT_ONCE if at_once else SessionTrigger.REFUSED)
+        at_once = seconds_between(session.inited, now) <= AT_ONCE_S and session.claim is None
+        return self._step(session, SessionTrigger.REFUSED_AT_ONCE if at_once else SessionTrigger.REFUSED, now)
 
-    def close(self, session: Session, reason: SessionTrigger = SessionTrigger.STOPPED) -> list[Event]:
+    def close(self, session: Session, now: Instant, reason: SessionTrigger = SessionTrigger.STOPPED) -> list[Event]:
         """End a session."""
-        return self._step(session, reason)
+        return self._step(session, reason, now)
 
-    def apply(self, rules: SessionRules, mode: str) -> list[Event]:
+    def apply(self, rules: SessionRules, mode: str, now: Instant) -> list[Event]:
         """Go on with other rules of the same boot; mode: of the play. Sessions that they do not allow end."""
-        before = self.rules
-        self.rules, self.mode = rules, mode
+        before, mode_before = self.rules, self.mode
+        self._door.rules, self.mode = rules, mode
         events: list[Event] = []
         for session in self:
-            if not rules.admission.admits_as(session.peer.host, session.team, session.number):
-                events += self.end(session, ErrorCode.NOT_ADMITTED)
-            elif session.number > rules.numbers:
-                events += self.end(session, ErrorCode.ILLEGAL_NUMBER)
-            elif rules.fixes(session) and not before.fixes(session):
-                events.append(_reply(WarningReply(FIXED_BY_MATCH), session))
-        return events
+            mirror, was_fixed = before.mirror_of(session), before.fixes(session)
+            session.options = rules.granted(session.init.options)
+            session.has_key &= rules.keys.get(session.team) == before.keys.get(session.team)
+            if not self._door.admits(session.init, session.peer, has_key=session.has_key):
+                events += self.end(session, ErrorCode.NOT_ADMITTED, now)
+                continue
+            if session.number > rules.numbers:
+                events += self.end(session, ErrorCode.ILLEGAL_NUMBER, now)
+                continue
+            if rules.fixes(session) and not was_fixed:
+                events.append(reply_to(session, WarningReply(FIXED_BY_MATCH)))
+            if session.version > 1 and (after := rules.mirror_of(session)) != mirror:
+                events.append(self._hear(session, now, "mirror", encode_mirror(after)))
+        return events + (self.tell(mode, now) if mode != mode_before else [])
 
-    def end(self, session: Session, why: ErrorCode) -> list[Event]:
+    def tell(self, word: str, now: Instant) -> list[Event]:
+        """Tell every session of version 2 a word of the referee: a play mode, ``vision_lost``, ``vision_back``."""
+        return [self._hear(session, now, "referee", word) for session in self if session.version > 1]
+
+    def end(self, session: Session, why: ErrorCode, now: Instant) -> list[Event]:
         """End a session and tell its client why."""
-        return [_reply(ErrorReply(why), session), *self.close(session)]
+        return [reply_to(session, ErrorReply(why)), *self.close(session, now)]
 
-    def not_opened(self, session: Session) -> list[Event]:
+    def not_opened(self, session: Session, now: Instant) -> list[Event]:
         """There is no socket for a session: end it and tell its client."""
-        full = _error(ErrorCode.SERVER_FULL, session.nul, session.peer, Endpoint(Port.MAIN, session.local))
-        return [*self.close(session), full, _refusal(ErrorCode.SERVER_FULL, session.peer, session.init)]
+        full = answer(ErrorReply(ErrorCode.SERVER_FULL), session.nul, session.peer, Endpoint(Port.MAIN, session.local))
+        return [*self.close(session, now), full, refusal(ErrorCode.SERVER_FULL, session.peer, session.init)]
 
     def expire(self, now: Instant) -> list[Event]:
-        """End the sessions whose client has sent nothing for the lease."""
+        """End the sessions whose client has sent nothing for the lease, and decide the claims to robots."""
         events: list[Event] = []
         for session in self:
-            if seconds_between(session.heard, now) > self.rules.lease_s:
-                events += self._step(session, SessionTrigger.SILENT)
+            if seconds_between(session.heard, now) > self.rules.lease_of(session):
+                events += self._step(session, SessionTrigger.SILENT, now)
+            elif session.claim is not None and seconds_between(session.claim.at, now) > CLAIM_S:
+                events += self._decide_claim(session, session.claim, now)
         return events
 
     def snapshot(self) -> bytes:
@@ -281,6 +212,7 @@ class Sessions:
                 raise ValueError(f"a snapshot of version {plain['snapshot']}, boot {plain['boot']}")
             for one in plain["sessions"]:
                 session = Session.from_plain(one)
+                session.options = rules.granted(session.init.options)
                 restored._by_robot[session.team, session.number] = session
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"not a snapshot of sessions: {error!r}") from None
@@ -290,60 +222,70 @@ class Sessions:
         """The sessions of a client's socket, one per robot."""
         return [session for session in self._by_robot.values() if session.peer == peer]
 
-    def _turn_away(self, datagram: bytes, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event]:
-        """The answer to an address that is not admitted: an error at most once in 5 s, or silence."""
+    def _turn_away(self, datagram: bytes, sender: Sender) -> list[Event]:
+        """Answer an address that is not admitted. With the key of its team it is answered like any other."""
         self.counts.turned_away += 1
-        if not self._strangers.take(now):
+        if not self._door.hears_stranger(sender.now):
             self.counts.limited += 1
             return []
         request = decode_commands(datagram)
         if request is None:
+            self.counts.ignored += 1
             return []
-        refusal = _refusal(ErrorCode.NOT_ADMITTED, peer, request.commands[0])
-        reply = _error(ErrorCode.NOT_ADMITTED, request.nul, peer, endpoint)
-        limiter = self._stranger_limiters.of(peer.host)
-        too_long = len(reply.data) > AMPLIFICATION * len(datagram)
-        is_silent = too_long or not limiter.may_complain(ErrorCode.NOT_ADMITTED, now)
-        return [refusal] if is_silent else [reply, refusal]
+        command = request.commands[0]
+        if isinstance(command, (Init, Reconnect)) and command.proof.key:
+            challenge = self._door.challenge(command, request.nul, sender)
+            if challenge or self._door.holds_key(command):
+                one = Request((command,), request.nul)
+                return challenge or self._dispatch_all(one, self._door.limiter(sender.peer.host), sender)
+        return self._door.turn_away(request, len(datagram), sender)
 
-    def _dispatch_all(
-        self, request: Request, limiter: RateLimiter, peer: Peer, endpoint: Endpoint, now: Instant
-    ) -> list[Event]:
+    def _dispatch_all(self, request: Request, limiter: RateLimiter, sender: Sender) -> list[Event]:
         """The events that follow from the commands of a datagram, up to the first that is refused."""
         events: list[Event] = []
         for command in request.commands:
-            if limiter.take(_name_of(command), now):
-                result = self._dispatch(command, request.nul, peer, endpoint, now)
+            if limiter.take(_name_of(command), sender.now):
+                result = self._dispatch(command, request.nul, sender)
             else:
                 result = ErrorCode.RATE_LIMITED
             if isinstance(result, ErrorCode):
-                if result not in LIMITED_ERRORS or limiter.may_complain(result, now):
-                    events += [_error(result, request.nul, peer, endpoint), _refusal(result, peer, command)]
+                if result not in LIMITED_ERRORS or limiter.may_complain(result, sender.now):
+                    error = answer(ErrorReply(result), request.nul, sender.peer, sender.endpoint)
+                    events += [error, refusal(result, sender.peer, command)]
                 break
             events += result
         return events
 
-    def _dispatch(
-        self, command: Command, nul: bool, peer: Peer, endpoint: Endpoint, now: Instant
-    ) -> list[Event] | ErrorCode:
+    def _dispatch(self, command: Command, nul: bool, sender: Sender) -> list[Event] | ErrorCode:
         """The events that follow from a command, or why it is refused."""
         match command:
             case InvalidCommand(error):
                 return error
             case Init():
-                return self._init(command, nul, peer, endpoint, now)
-        session = self._addressed(command, peer)
-        if isinstance(session, ErrorCode):
-            return session
+                return self._init(command, nul, sender)
+            case Reconnect():
+                return self._reconnect(command, nul, sender)
+            case Ping(number):
+                return [answer(Pong(number), nul, sender.peer, sender.endpoint)]
+            case Sync():
+                owned = self._owned_by(sender.peer)
+                return [SyncAsked(owned[0], command, sender.arrived)] if owned else ErrorCode.NOT_CONNECTED
+        session = self._addressed(command, sender.peer)
+        return session if isinstance(session, ErrorCode) else self._of_session(session, command, sender.now)
+
+    def _of_session(self, session: Session, command: RobotCommand, now: Instant) -> list[Event] | ErrorCode:
+        """The events that follow from a command about a session."""
         match command:
             case Bye():
-                return self._step(session, SessionTrigger.LEFT)
+                return self._step(session, SessionTrigger.LEFT, now)
             case LagReport():
                 return [LagReported(session, command, now)]
             case MirrorQuery(team, number):
-                return [_reply(MirrorReply(self.rules.mirror_of(session), team, number), session)]
+                return [reply_to(session, MirrorReply(self.rules.mirror_of(session), team, number))]
+            case Set():
+                return self._set(session, command)
 
-    def _addressed(self, command: Bye | LagReport | MirrorQuery, peer: Peer) -> Session | ErrorCode:
+    def _addressed(self, command: RobotCommand, peer: Peer) -> Session | ErrorCode:
         """The session that a command is about: that of the robot it names, or the only one of the client's socket."""
         owned = self._owned_by(peer)
         if command.team is not None:
@@ -352,96 +294,143 @@ class Sessions:
             return ErrorCode.ILLEGAL_FORM
         return owned[0] if owned else ErrorCode.NOT_CONNECTED
 
-    def _init(self, init: Init, nul: bool, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event] | ErrorCode:
+    def _init(self, init: Init, nul: bool, sender: Sender) -> list[Event] | ErrorCode:
         holder = self._by_robot.get((init.team, init.number))
-        repeated = holder is not None and holder.peer == peer
-        if not repeated and not self._inits.take(self._limiters.of(peer.host), now):
+        own = holder if holder is not None and holder.peer == sender.peer else None
+        proven = bool(self._owned_by(sender.peer))
+        if own is None and not self._door.takes_init(sender):
             return ErrorCode.RATE_LIMITED
-        if init.number > self.rules.numbers:
-            return ErrorCode.ILLEGAL_NUMBER
-        if not self.rules.admission.admits_as(peer.host, init.team, init.number):
-            return ErrorCode.NOT_ADMITTED
-        if init.options.mirror is not None:
-            try:
-                check_span(init.options.mirror, self.rules.diagonal_m)
-            except SettingsError:
-                return ErrorCode.ILLEGAL_MIRROR
+        if not proven and (challenge := self._door.challenge(init, nul, sender)):
+            return challenge
+        has_key = self._door.holds_key(init)
+        error = self._door.refuses(init, sender.peer, has_key=has_key or (own is not None and own.has_key))
+        if error is not None:
+            return error
         if holder is None:
-            return self._open(init, nul, peer, endpoint, now)
-        if holder.peer == peer:
-            return self._repeat(holder, init, nul, now)
-        if holder.peer.host != peer.host:
-            return ErrorCode.ALREADY_CONNECTED
-        return [*self._replace(holder), *self._open(init, nul, peer, endpoint, now)]
+            return self._open(init, nul, sender, has_key=has_key)
+        if own is not None:
+            return self._repeat(own, init, nul, sender.now)
+        return self._take_over(holder, init, nul, sender, has_key=has_key)
 
-    def _replace(self, holder: Session) -> list[Event]:
-        """Tell a client that a newer one on its computer takes the robot over, and end its session."""
-        reply = _reply(ErrorReply(ErrorCode.REPLACED), holder)
-        return [reply, *self._step(holder, SessionTrigger.REPLACED)]
+    def _take_over(
+        self, holder: Session, init: Init, nul: bool, sender: Sender, *, has_key: bool
+    ) -> list[Event] | ErrorCode:
+        """Another client asks for a robot that has a session."""
+        same_computer = holder.peer.host == sender.peer.host
+        proven = same_computer and init.options.version > 1  # by its cookie
+        if has_key or proven or holder.is_forsaken(sender.now):
+            return [*self._replace(holder, sender.now), *self._open(init, nul, sender, has_key=has_key)]
+        return self._claim(holder, init, nul, sender) if same_computer else ErrorCode.ALREADY_CONNECTED
 
-    def _open(self, init: Init, nul: bool, peer: Peer, endpoint: Endpoint, now: Instant) -> list[Event]:
+    def _reconnect(self, command: Reconnect, nul: bool, sender: Sender) -> list[Event] | ErrorCode:
+        """A team's client goes on with its robot from another address; its options stay."""
+        if challenge := self._door.challenge(command, nul, sender):
+            return challenge
+        if not self._door.holds_key(command):
+            return ErrorCode.WRONG_KEY
+        holder = self._by_robot.get((command.team, command.number))
+        if holder is None:
+            return ErrorCode.NOT_CONNECTED
+        if holder.peer == sender.peer:
+            return [*self._answers(holder, sender.now)]
+        init = holder.init
+        return [*self._replace(holder, sender.now), *self._open(init, nul, sender, has_key=True)]
+
+    def _replace(self, holder: Session, now: Instant) -> list[Event]:
+        """Tell a client that a newer one takes the robot over, and end its session."""
+        holder.claim = None
+        return [reply_to(holder, ErrorReply(ErrorCode.REPLACED)), *self._step(holder, SessionTrigger.REPLACED, now)]
+
+    def _claim(self, holder: Session, init: Init, nul: bool, sender: Sender) -> list[Event]:
+        """Another client on the owner's computer asks for the robot. Whoever sent this may have forged its sender, so
+        the owner is asked first: if its program has ended, its computer refuses the question."""
+        earlier = holder.claim
+        at = earlier.at if earlier is not None and earlier.peer == sender.peer else sender.now
+        holder.claim = Claim(init, nul, sender.peer, sender.endpoint.port, sender.endpoint.local, at)
+        question = Ping() if holder.version > 1 else InitReply(holder.team, holder.number, self.mode)
+        return [reply_to(holder, question)]
+
+    def _decide_claim(self, holder: Session, claim: Claim, now: Instant) -> list[Event]:
+        """The time for an answer is over. A client of version 2 answers a ping; silence of version 1 says nothing."""
+        holder.claim = None
+        if holder.version > 1 and holder.heard <= claim.at:
+            return [*self._replace(holder, now), *self._open_claim(claim, now)]
+        refused = answer(
+            ErrorReply(ErrorCode.ALREADY_CONNECTED), claim.nul, claim.peer, Endpoint(claim.port, claim.local)
+        )
+        return [refused, refusal(ErrorCode.ALREADY_CONNECTED, claim.peer, claim.init)]
+
+    def _open_claim(self, claim: Claim, now: Instant) -> list[Event]:
+        sender = Sender(claim.peer, Endpoint(claim.port, claim.local), now, now)
+        return self._open(claim.init, claim.nul, sender, has_key=False)
+
+    def _open(self, init: Init, nul: bool, sender: Sender, *, has_key: bool) -> list[Event]:
         state = SessionState.SAME_PORT if init.options.port_same else SessionState.TRYING
-        session = Session(init, nul, peer, endpoint.local, now, state, heard=now, inited=now)
+        init, now = replace(init, proof=NO_PROOF), sender.now
+        session = Session(init, nul, sender.peer, sender.endpoint.local, now, state, heard=now, inited=now)
+        session.options, session.has_key = self.rules.granted(init.options), has_key
         self._by_robot[init.team, init.number] = session
-        return [SessionOpened(session), *self._answers(session)]
+        return [SessionOpened(session), *self._answers(session, now)]
 
     def _repeat(self, session: Session, init: Init, nul: bool, now: Instant) -> list[Event]:
         """Answer an init of the same client again: the answer was lost, or the client asks for other options."""
         equal = init == session.init and seconds_between(session.inited, now) <= REPEAT_S
         session.inits = session.inits + 1 if equal else 1
         changed = (init, nul) != (session.init, session.nul)
-        session.init, session.nul, session.inited = init, nul, now
+        session.init, session.nul, session.inited = replace(init, proof=NO_PROOF), nul, now
+        session.options = self.rules.granted(init.options)
         moved: list[Event] = []
         if init.options.port_same or session.inits >= UNHEARD_INITS:
-            moved = self._step(session, SessionTrigger.UNHEARD)
-        return [*([SessionChanged(session)] if changed else []), *(moved or self._answers(session))]
+            moved = self._step(session, SessionTrigger.UNHEARD, now)
+        return [*([SessionChanged(session)] if changed else []), *(moved or self._answers(session, now))]
 
-    def _step(self, session: Session, trigger: SessionTrigger) -> list[Event]:
+    def _set(self, session: Session, command: Set) -> list[Event] | ErrorCode:
+        """Other options for a session. Version and port are fixed by its init."""
+        asked = session.init.options
+        found = options_from_forms(command.forms, asked)
+        if isinstance(found, ErrorCode):
+            return found
+        options, unknown = found
+        if (options.version, options.port_same) != (asked.version, asked.port_same):
+            return ErrorCode.ILLEGAL_OPTION
+        if not self._door.shows_field(options):
+            return ErrorCode.ILLEGAL_MIRROR
+        session.init = replace(session.init, options=options)
+        session.options = self.rules.granted(options)
+        messages: list[Answer] = [Ok("set"), *self._warnings(session, unknown=unknown)]
+        return [SessionChanged(session), *(reply_to(session, message) for message in messages)]
+
+    def _step(self, session: Session, trigger: SessionTrigger, now: Instant) -> list[Event]:
         if not session.step(trigger):
             return []
-        if session.state is SessionState.CLOSED:
-            del self._by_robot[session.team, session.number]
-            return [SessionClosed(session, trigger)]
-        return [SessionMoved(session), *self._answers(session)]
+        if session.state is not SessionState.CLOSED:
+            return [SessionMoved(session), *self._answers(session, now)]
+        del self._by_robot[session.team, session.number]
+        claim, session.claim = session.claim, None
+        return [SessionClosed(session, trigger), *(self._open_claim(claim, now) if claim else [])]
 
-    def _answers(self, session: Session) -> list[Reply]:
+    def _answers(self, session: Session, now: Instant) -> list[Reply]:
         """The answer to an init."""
-        answers = [_reply(InitReply(session.team, session.number, self.mode), session)]
-        if session.init.unknown_options:
-            answers.append(_reply(WarningReply("unknown_option"), session))
-        if self.rules.fixes(session):
-            answers.append(_reply(WarningReply(FIXED_BY_MATCH), session))
-        return answers
+        facts = self.rules.facts_of(session, now) if session.version > 1 else None
+        answers: list[Answer] = [InitReply(session.team, session.number, self.mode, facts)]
+        answers += self._warnings(session, unknown=session.init.unknown_options)
+        return [reply_to(session, message) for message in answers]
+
+    def _warnings(self, session: Session, *, unknown: bool) -> list[Answer]:
+        names = [UNKNOWN_OPTION] * unknown + [FIXED_BY_MATCH] * self.rules.fixes(session)
+        return [WarningReply(name) for name in names]
+
+    def _hear(self, session: Session, now: Instant, sender: str, *words: str) -> Reply:
+        return reply_to(session, Hear((now - self.rules.boot) // NS_PER_US, sender, words))
 
 
 def _name_of(command: Command) -> str:
     """The name that a command is counted under."""
     match command:
-        case Init():
-            return "init"
-        case Bye():
-            return "bye"
+        case InvalidCommand():
+            return INVALID
         case LagReport():
             return "lag"
         case MirrorQuery():
             return "mirror"
-        case InvalidCommand():
-            return INVALID
-
-
-def _reply(message: InitReply | MirrorReply | ErrorReply | WarningReply, session: Session) -> Reply:
-    """A message to the client of a session."""
-    endpoint = Endpoint(session.port, session.local)
-    return Reply(encode(message) + (b"\0" if session.nul else b""), session.peer, endpoint, session)
-
-
-def _refusal(error: ErrorCode, peer: Peer, command: Command) -> RequestRefused:
-    """For the operator: what was refused, and for which robot."""
-    if isinstance(command, Init):
-        return RequestRefused(peer, error, command.team, command.number)
-    return RequestRefused(peer, error)
-
-
-def _error(code: ErrorCode, nul: bool, to: Peer, via: Endpoint) -> Reply:
-    """An error to an address, whether or not it has a session."""
-    return Reply(encode(ErrorReply(code)) + (b"\0" if nul else b""), to, via)
+    return type(command).__name__.lower()

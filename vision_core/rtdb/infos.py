@@ -1,7 +1,7 @@
 """The values of the service's records about itself."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from msgspec.structs import replace
@@ -265,6 +265,8 @@ class LiveSettings:
     adapt: bool
     """colors.light.adapt; False: the colors of the set-up are held."""
     ended: tuple[EndedSession, ...] = ()
+    keys: dict[str, str] = field(default_factory=dict)
+    """The digest of the key of the team that plays blue or yellow; a team without a key is left out."""
 
     @staticmethod
     def of(settings: Settings, revision: int = 0, tasks: Mapping[str, TaskOverride] | None = None) -> "LiveSettings":

@@ -419,6 +419,18 @@ PlayMode = Literal[
 """SoccerServer's words; l and r are the sides that the teams defend."""
 
 
+class MatchViews(Record, frozen=True):
+    """The views of all robots in a match, whatever their programs ask for. Other options stay the clients' choice."""
+
+    types: Annotated[
+        Literal["same", "team", "number"], Meta(description="whether an edge names a robot's team and number")
+    ]
+    fov_deg: Annotated[float, Meta(gt=0.0, le=360.0, description="width of the field of view")]
+    center_deg: Annotated[float, Meta(ge=-360.0, le=360.0, description="its middle; 180 for the full circle")]
+    resolution_deg: Annotated[float, Meta(gt=0.0, le=360.0, description="between two directions")]
+    rate_hz: Annotated[int, Meta(ge=0, le=1000, description="at most so many views a second; 0: every frame")]
+
+
 class MatchSettings(Record, frozen=True):
     """What a match fixes, the same for both teams."""
 
@@ -435,11 +447,12 @@ class MatchSettings(Record, frozen=True):
     yellow_ids: Annotated[
         tuple[Annotated[int, Meta(ge=0, le=255)], ...], Meta(description="marker id of yellow 1, 2, ...")
     ]
+    views: MatchViews
 
     @property
-    def allows_own_mirrors(self) -> bool:
-        """Clients may ask for a mirror of their own; in a match all robots see through the same one."""
-        return self.mode == "practice"
+    def fixes_views(self) -> bool:
+        """All robots see alike: through one mirror, and with the options of ``views``."""
+        return self.mode == "match"
 
 
 class TaskTimes(Record, frozen=True):

@@ -11,25 +11,23 @@ unexpectedly, its successor goes on with the same clients, ports and Time.
 from collections.abc import Sequence
 
 from vision_core.clock import Instant, seconds_between
-from vision_core.models.field import diagonal_m
-from vision_core.models.from_settings import mirrors_of
 from vision_core.net.delivery_report import DeliveryReport
 from vision_core.net.server import SendSummary, UdpServer
-from vision_core.net.udp import adopted
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.pipeline.warm_up import views as warm_up_views
-from vision_core.protocol.admission import Admission
-from vision_core.protocol.session import Event, Reply, RequestRefused, SessionRules, Sessions
+from vision_core.protocol.events import Event, Reply, RequestRefused
+from vision_core.protocol.session import Sessions
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import EndedSession
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, Release, StepResult
-from vision_core.settings.schema import AdmissionSettings, Settings
+from vision_core.tasks.session_rules import RuleBook
 from vision_core.tracks.tracker import Tracker
-from vision_core.types.objects import Team
 from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
 
 PUBLISH_EVERY_S = 0.5
+VISION_LOST_S = 1.0
+"""Clients of version 2 are told when no image could be used for so long."""
 
 
 def start(handle: Handle) -> Step:
@@ -57,7 +55,8 @@ class ServeTask:
         self._world = handle.raw_writer(records.WORLD.spec.name)
         self._views = handle.raw_writer(records.VIEWS.spec.name)
         self._sessions = handle.raw_writer(records.SESSIONS.name)
-        self.server = _restored_server(handle)
+        self._book = RuleBook(handle)
+        self.server = _restored_server(handle, self._book)
         self._report = DeliveryReport()
         self._serving = handle.writer(records.SERVING)
         self._lags = handle.raw_writer(records.LAG_HISTOGRAMS.name)
@@ -66,7 +65,9 @@ class ServeTask:
         self._live_sequence = 0
         self._revision = 0
         self._ended: tuple[EndedSession, ...] = ()
-        self._apply_live_settings()  # a successor goes on with what was changed before
+        self._seen_at: Instant | None = self._clock.now()
+        """When views were sent last; None: clients know that the vision is lost."""
+        self._apply_live_settings(self._clock.now())  # a successor goes on with what was changed before
 
     def receive(self) -> None:
         """Receive and answer the datagrams of clients."""
@@ -81,10 +82,13 @@ class ServeTask:
         missed = reading.sequence - release.sequence  # sightings that came between the release and this call
         if not reading.valid:  # a source that had stopped delivers again: these sightings are too old to be sent
             return StepResult(ran=False, missed=missed)
-        self._apply_live_settings()  # between two frames: this one is wholly made with the new settings
+        self._apply_live_settings(reading.measured)  # this frame is wholly made with the new settings
         self._sightings_table.load(reading.value)
         world = self._tracker.update(self._sightings_table, *self._obstacles.newest())
         summary = self._send(world, reading.measured)
+        if self._seen_at is None:
+            self._note(self.server.tell("vision_back"))
+        self._seen_at = self._clock.now()
         self._write_records(world, reading.measured)
         self._report.note_frame(reading.measured, summary)
         self._note(summary.events)
@@ -96,7 +100,11 @@ class ServeTask:
         now = self._clock.now()
         if self._published_at is not None and seconds_between(self._published_at, now) < PUBLISH_EVERY_S:
             return
-        self._apply_live_settings()
+        if self._seen_at is None:  # no frame comes that would do it
+            self._apply_live_settings(now)
+        if self._seen_at is not None and seconds_between(self._seen_at, now) > VISION_LOST_S:
+            self._seen_at = None
+            self._note(self.server.tell("vision_lost"))
         self._note(self.server.expire())
         self._lags.write(self._report.histograms(), now, now)
         self._serving.write(self._report.serving(self.server, now, self._revision), now, now)
@@ -105,7 +113,7 @@ class ServeTask:
     def _send(self, world: WorldTable, grabbed_at: Instant) -> SendSummary:
         """Send the views of a world to the clients that are due."""
         sessions, due = self.server.due(grabbed_at)
-        return self.server.send_batch(grabbed_at, self._encoder.write(world, sessions, due))
+        return self.server.send_batch(grabbed_at, self._encoder.write(world, sessions, due, self._clock.now()))
 
     def _write_records(self, world: WorldTable, grabbed_at: Instant) -> None:
         """Write the world and the views that were sent."""
@@ -113,10 +121,11 @@ class ServeTask:
         self._world.write(world.bytes, grabbed_at, now)
         self._views.write(self._encoder.views.bytes, grabbed_at, now)
 
-    def _apply_live_settings(self) -> None:
+    def _apply_live_settings(self, at: Instant) -> None:
         """Take over what was changed on the page since the last frame. Sessions, ports and Time stay.
 
-        A new encoder takes half a millisecond, since its kernels are compiled.
+        at: grab of the first frame that is made with it. A new encoder takes half a millisecond, since its kernels are
+        compiled.
         """
         if self._live.sequence == self._live_sequence:
             return
@@ -127,7 +136,7 @@ class ServeTask:
         settings = live.over(self._handle.settings)
         self._encoder = ViewEncoder(settings, self._handle.attachment.boot)
         self._tracker.configure(settings.tracks, settings.robots)
-        events = self.server.apply(_rules(settings, self._handle.attachment.boot), settings.match.play_mode)
+        events = self.server.apply(self._book.rules(settings, live.keys), settings.match.play_mode, at)
         for ended in live.ended:
             if ended not in self._ended:
                 events += self.server.end(ended.team, ended.number, ended.since)
@@ -161,30 +170,11 @@ class _ObstacleReader:
         return self._newest
 
 
-def _restored_server(handle: Handle) -> UdpServer:
+def _restored_server(handle: Handle, book: RuleBook) -> UdpServer:
     """A server with the sessions that an earlier process of this service had, if there was one."""
-    rules = _rules(handle.settings, handle.attachment.boot)
-    main, session = (adopted(handle.attachment.resources.sockets[name]) for name in ("main", "session"))
+    rules = book.rules(handle.settings)
+    main, session = book.sockets
     snapshot = handle.raw_reader(records.SESSIONS.name).read(handle.clock.now())
     if snapshot is None:
         return UdpServer(main, session, Sessions(rules), handle.clock)
     return UdpServer.restore(main, session, rules, snapshot.value, handle.clock)
-
-
-def _rules(settings: Settings, boot: Instant) -> SessionRules:
-    """The rules of the sessions as the settings say."""
-    return SessionRules(
-        boot=boot,
-        numbers=settings.match.numbers,
-        lease_s=settings.protocol.lease_s,
-        diagonal_m=diagonal_m(settings.field),
-        mirrors=mirrors_of(settings.mirror),
-        own_mirrors=settings.match.allows_own_mirrors,
-        admission=_admission(settings.admission),
-    )
-
-
-def _admission(settings: AdmissionSettings) -> Admission:
-    """Who may connect as the settings say."""
-    rules = ((rule.network, Team(rule.team) if rule.team else None, rule.number) for rule in settings.rules)
-    return Admission.from_texts(settings.subnets, rules, settings.refused)

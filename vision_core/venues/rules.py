@@ -24,6 +24,9 @@ SPACE_KEYS = {
 """Axes of each color space."""
 ANGLES = {"hue_deg", "phase_deg"}
 MAX_CLASSES = 31
+MAX_DIRECTIONS = 448
+"""Of a view: more do not fit into a datagram."""
+RAYS_PER_DEG = 4
 TASK_NAME = re.compile(r"[a-z][a-z0-9_]{0,15}")
 ROBOTS = tuple(scope_of(team, number) for team in Team for number in range(1, MAX_NUMBERS + 1))
 ONE_MIRROR = "in a match the same mirror for all robots of both teams"
@@ -36,7 +39,7 @@ def check_settings(settings: Settings, place_of: Callable[[str], str], *, comple
     place_of: names the file and line that set a key; complete_palette: the colors of the ball must have classes; False
     for commands that help to make a palette.
     """
-    rules = [_colors, _letters, _match, mask_violations, camera_violations, _mirror, _tasks, _admission]
+    rules = [_colors, _letters, _match, mask_violations, camera_violations, _match_views, _mirror, _tasks, _admission]
     if complete_palette:
         rules.append(_ball_colors)
     for rule in rules:
@@ -104,6 +107,18 @@ def _match(settings: Settings) -> Iterator[Violation]:
             yield Violation(f"match.{key}", f"{len(ids)} ids, {list(ids)}", accepted)
 
 
+def _match_views(settings: Settings) -> Iterator[Violation]:
+    """The views of a match must be ones that every client could ask for."""
+    views = settings.match.views
+    first_deg = views.center_deg - views.fov_deg / 2.0
+    if not all((RAYS_PER_DEG * angle).is_integer() for angle in (first_deg, views.resolution_deg)):
+        found = f"directions from {first_deg:g} deg, every {views.resolution_deg:g} deg"
+        yield Violation("match.views.resolution_deg", found, f"multiples of {1 / RAYS_PER_DEG:g} deg")
+    directions = int(views.fov_deg / views.resolution_deg)
+    if not 1 <= directions <= MAX_DIRECTIONS:
+        yield Violation("match.views.fov_deg", f"{directions} directions", f"1..{MAX_DIRECTIONS} directions")
+
+
 def _mirror(settings: Settings) -> Iterator[Violation]:
     mirrors = settings.mirror
     teams = {f"mirror.{team}": own for team, own in (("blue", mirrors.blue), ("yellow", mirrors.yellow)) if own}
@@ -118,7 +133,7 @@ def _mirror(settings: Settings) -> Iterator[Violation]:
             check_span(mirror_from(constants), diagonal_m(settings.field))
         except SettingsError as error:
             yield Violation(key, error.found, error.accepted)
-    if not settings.match.allows_own_mirrors:
+    if settings.match.fixes_views:
         yield from _one_mirror(mirrors, teams, robots)
 
 

@@ -190,6 +190,11 @@ def viewer_index(team: Team, number: int) -> int:
     return TEAM_NUMBER[team] * MAX_NUMBERS + number - 1
 
 
+def nearest_m(settings: Settings, team: Team) -> float:
+    """The nearest distance at which an edge is reported to a team's robots [m]; a nearer one is reported there."""
+    return settings.views.r_min_m or robots_of(settings.robots, team).radius_m
+
+
 def static_scene_from(settings: Settings) -> StaticScene:
     """Field, outlines and numbers as the settings describe them.
 
@@ -218,7 +223,7 @@ def static_scene_from(settings: Settings) -> StaticScene:
         viewer_of_id=viewers,
         team_radius_m=np.array([shape.radius_m for shape in shapes]),
         team_square=np.array([int(shape.outline == "square") for shape in shapes]),
-        r_min_m=np.array([settings.views.r_min_m or shape.radius_m for shape in shapes]),
+        r_min_m=np.array([nearest_m(settings, team) for team in TEAMS]),
         ball_radius_m=settings.ball.radius_m,
         ray_x=np.cos(angles),
         ray_y=np.sin(angles),

@@ -20,9 +20,10 @@ class TeamKeys:
             connection.execute("DELETE FROM sessions WHERE team = ?", (slug,))
         return key
 
-    def has(self, slug: str) -> bool:
-        """Has this team a key?"""
-        return self._file.row("SELECT 1 FROM team_keys WHERE team = ?", slug) is not None
+    def digest_of(self, slug: str) -> str | None:
+        """What is kept of a team's key, for the server of its robots; None: it has none."""
+        row = self._file.row("SELECT hash FROM team_keys WHERE team = ?", slug)
+        return str(row[0]) if row else None
 
     def forget(self, slug: str) -> None:
         """Withdraw a team's key, and end what was opened with it."""

@@ -13,7 +13,7 @@ from typing import Any
 
 from msgspec import to_builtins
 
-from app.web.configuration.keys import ADMISSION, setting
+from app.web.configuration.keys import ADMISSION, plays, setting
 from app.web.configuration.live_record import LivePublisher
 from app.web.configuration.overlay import has_ended, overlay_from
 from app.web.problems import RequestRefused
@@ -41,9 +41,17 @@ SERVICE = "the service"
 class Configuration:
     """The settings in effect, with everything that was changed on the page. Threads may share it."""
 
-    def __init__(self, store: Store, service: ServiceInfo, document: Document, clock: Callable[[], float] = time.time):
-        """clock: gives the time of day [seconds since 1970]."""
+    def __init__(
+        self,
+        store: Store,
+        service: ServiceInfo,
+        document: Document,
+        clock: Callable[[], float] = time.time,
+        key_digest: Callable[[str], str | None] = lambda _: None,
+    ):
+        """clock: gives the time of day [seconds since 1970]; key_digest: what is kept of a team's key, by its slug."""
         self.document = document
+        self._key_digest = key_digest
         self._service = service
         self._clock = clock
         self._lock = threading.RLock()
@@ -57,7 +65,7 @@ class Configuration:
             self.settings = self._settings_of(self._entries)
         except SettingsError as error:
             self.settings, self.refused_overlay = service.settings, str(error)
-        self._publish()
+        self.publish()
 
     @property
     def entries(self) -> Mapping[str, Any]:
@@ -109,7 +117,7 @@ class Configuration:
         """End one session of a client; another init of the same client is accepted again."""
         with self._lock:
             self._publisher.end_session(team, number, since)
-            self._publish()
+            self.publish()
 
     def end_admissions(self) -> None:
         """Delete the admissions whose time is over; to be called once a second or so."""
@@ -182,10 +190,13 @@ class Configuration:
     def _take_over(self, settings: Settings) -> None:
         self._entries = self.document.entries()
         self.settings = settings
-        self._publish()
+        self.publish()
 
-    def _publish(self) -> None:
-        self._publisher.publish(self.settings, self._service.settings, self.revision)
+    def publish(self) -> None:
+        """Tell the processes what holds now; to be called as well when a team has a new key."""
+        slugs = {color.value: self._entries.get(plays(color)) for color in Team}
+        keys = {color: digest for color, slug in slugs.items() if slug and (digest := self._key_digest(slug))}
+        self._publisher.publish(self.settings, self._service.settings, self.revision, keys)
 
 
 def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:

@@ -29,12 +29,15 @@ class LivePublisher:
         """Remember a session that is to end; ``publish`` tells it."""
         self._ended = (*self._ended, EndedSession(team, number, since))[-ENDED_KEPT:]
 
-    def publish(self, settings: Settings, started: Settings, revision: int) -> None:
-        """Write the settings that can be applied at once. started: those with which the service was started."""
+    def publish(self, settings: Settings, started: Settings, revision: int, keys: Mapping[str, str]) -> None:
+        """Write what can be applied at once.
+
+        started: the settings with which the service was started; keys: the digest of the key of the team that plays
+        each color.
+        """
         now = self._clock.now()
-        live = replace(
-            LiveSettings.of(settings, revision, _overrides(settings.tasks, started.tasks)), ended=self._ended
-        )
+        overrides = _overrides(settings.tasks, started.tasks)
+        live = replace(LiveSettings.of(settings, revision, overrides), ended=self._ended, keys=dict(keys))
         if live != self._published:
             self._writer.write(live, now, now)
             self._published = live

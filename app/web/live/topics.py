@@ -19,8 +19,8 @@ from app.web.reports.timing import timing_from
 from app.web.routes.match import match_from
 from vision_core.clock import NS_PER_US, Instant, seconds_between
 from vision_core.native.opencv import encode_jpeg, shrink
-from vision_core.protocol.codec import encode_see
 from vision_core.protocol.edge_codes import EdgeCodes
+from vision_core.protocol.encoding import encode_see
 from vision_core.protocol.messages import Ball, See
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Timed

@@ -94,7 +94,9 @@ def team_routes(configuration: Configuration, keys: TeamKeys) -> APIRouter:
     def new_key(slug: str) -> NewKey:
         """Makes a new key for a team; its former key is no longer accepted."""
         _known(slug)
-        return NewKey(key=keys.renew(slug))
+        key = keys.renew(slug)
+        configuration.publish()  # clients that came with the former key lose their robots
+        return NewKey(key=key)
 
     def _known(slug: str) -> dict[str, Any]:
         team: dict[str, Any] | None = configuration.entries.get(f"{TEAM}{slug}")
@@ -115,6 +117,6 @@ def team_routes(configuration: Configuration, keys: TeamKeys) -> APIRouter:
     def _report(slug: str) -> TeamReport:
         entries = configuration.entries
         color = next((color for color in Team if entries.get(plays(color)) == slug), None)
-        return TeamReport(slug=slug, plays=color, has_key=keys.has(slug), **_known(slug))
+        return TeamReport(slug=slug, plays=color, has_key=keys.digest_of(slug) is not None, **_known(slug))
 
     return router

@@ -17,7 +17,7 @@ from app.web.auth.people import People
 from app.web.live import connection as live
 from app.web.live.topics import HEADER, PICTURE_KIND, VIEW_HEADER, VIEWS_KIND
 from tests.app.fake_service import FakeService, PageServer, wait_for
-from vision_core.protocol.codec import decode_message
+from vision_core.protocol.answers import decode_message
 from vision_core.protocol.messages import See
 from vision_core.rtdb import records
 

@@ -1,0 +1,137 @@
+"""Messages -> datagrams, in the one canonical form of each."""
+
+from vision_core.clock import MS_PER_S, US_PER_MS, US_PER_S
+from vision_core.protocol.messages import (
+    Bye,
+    Challenge,
+    ErrorReply,
+    Hear,
+    Init,
+    InitReply,
+    LagReport,
+    MirrorQuery,
+    MirrorReply,
+    Ok,
+    Ping,
+    Pong,
+    Reconnect,
+    See,
+    SessionFacts,
+    Set,
+    Sync,
+    SyncReply,
+    WarningReply,
+)
+from vision_core.protocol.options import encode_mirror, encode_options
+from vision_core.protocol.proofs import Proof
+from vision_core.protocol.s_expressions import Form
+from vision_core.types.objects import Team
+
+ClientMessage = Init | Reconnect | Bye | Set | Ping | Sync | LagReport | MirrorQuery
+Answer = InitReply | Challenge | MirrorReply | Hear | Pong | SyncReply | Ok | ErrorReply | WarningReply
+
+
+def encode(message: ClientMessage | Answer) -> bytes:
+    """The canonical datagram of a message, without NUL."""
+    words = _command_words(message) if isinstance(message, ClientMessage) else _answer_words(message)
+    return f"({' '.join(word for word in words if word)})".encode("ascii")
+
+
+def _command_words(message: ClientMessage) -> tuple[str, ...]:
+    match message:
+        case Init(team, number, options):
+            return "init", str(team), str(number), encode_options(options), *_proof_words(message.proof)
+        case Reconnect(team, number, proof):
+            return "reconnect", str(team), str(number), *_proof_words(proof)
+        case Bye(team, number):
+            return "bye", *_robot_words(team, number)
+        case Set(forms, team, number):
+            return "set", *_robot_words(team, number), *map(_form_text, forms)
+        case Ping(number):
+            return "ping", _number_word(number)
+        case Sync(number, t1_ns):
+            return "sync", str(number), str(t1_ns)
+        case LagReport():
+            return "lag", *_robot_words(message.team, message.number), *_lag_words(message)
+        case MirrorQuery(team, number):
+            return "mirror", *_robot_words(team, number)
+
+
+def _answer_words(message: Answer) -> tuple[str, ...]:
+    match message:
+        case Pong(number):
+            return "pong", _number_word(number)
+        case SyncReply(number, t1_ns, t2_ns, t3_ns):
+            return "sync", str(number), str(t1_ns), str(t2_ns), str(t3_ns)
+        case MirrorReply(mirror, team, number):
+            return "mirror", *_robot_words(team, number), encode_mirror(mirror)
+        case InitReply(team, number, mode, facts):
+            return "init", str(team), str(number), mode, *(_pairs(facts) if facts else ())
+        case Challenge(cookie):
+            return "challenge", cookie
+        case Hear(time_us, sender, words):
+            return "hear", _time(time_us, "ms"), sender, *words
+        case Ok(name):
+            return "ok", name
+        case ErrorReply(name) | WarningReply(name):
+            return "error" if isinstance(message, ErrorReply) else "warning", name
+
+
+def encode_see(see: See, time: str = "ms") -> bytes:
+    """The datagram of a ``see`` with three (ms) or six (us) decimals; spaces are exact."""
+    ball = see.ball
+    extras = "".join(f" (({name}){''.join(f' {word}' for word in words)})" for name, words in see.extras.items())
+    return b"(see %s ((edge) %s) ((ball) %d %d %d)%s)" % (
+        _time(see.time_us, time).encode("ascii"),
+        see.edges,
+        ball.px,
+        ball.direction_deg,
+        ball.size_deg,
+        extras.encode("ascii"),
+    )
+
+
+def _time(time_us: int, unit: str) -> str:
+    seconds, us = divmod(time_us, US_PER_S)
+    return f"{seconds}.{us // US_PER_MS:03d}" if unit == "ms" else f"{seconds}.{us:06d}"
+
+
+def _form_text(form: str | Form) -> str:
+    return form if isinstance(form, str) else f"({' '.join(map(_form_text, form))})"
+
+
+def _robot_words(team: Team | None, number: int | None) -> tuple[str, ...]:
+    return () if team is None else (str(team), str(number))
+
+
+def _number_word(number: int | None) -> str:
+    return "" if number is None else str(number)
+
+
+def _proof_words(proof: Proof) -> tuple[str, ...]:
+    return tuple(f"({name} {word})" for name, word in (("cookie", proof.cookie), ("key", proof.key)) if word)
+
+
+def _lag_words(lag: LagReport) -> tuple[str, ...]:
+    client = "-" if lag.client_s is None else f"{lag.client_s * MS_PER_S:.3f}"
+    return _time(lag.time_us, "us"), f"{lag.hold_s * MS_PER_S:.3f}", client
+
+
+def _pairs(facts: SessionFacts) -> tuple[str, ...]:
+    length_mm, width_mm = facts.field_mm
+    return (
+        f"(version {facts.version})",
+        f"(session {facts.session})",
+        f"(lease {facts.lease_s:g})",
+        f"(period {facts.period_ms:g})",
+        f"(mirror {encode_mirror(facts.mirror)})",
+        f"(rmin {facts.rmin_mm:g})",
+        f"(rmax {facts.rmax_mm:g})",
+        f"(fov {facts.fov_deg:g} {facts.center_deg:g})",
+        f"(resolution {facts.resolution_deg:g})",
+        f"(types {facts.types})",
+        f"(clock {facts.clock_ns})",
+        f"(boot {facts.boot})",
+        f"(venue {facts.venue})",
+        f"(field {length_mm:g} {width_mm:g})",
+    )
