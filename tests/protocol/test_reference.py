@@ -34,7 +34,8 @@ def test_every_option_has_a_line_and_the_lines_hold() -> None:
             asked = option
             for name, value in values.items():
                 asked = asked.replace(name, value)
-            request = decode_commands(f"(init blue 3 {asked})".encode())
+            version = "(version 2) " if asked.startswith("(extra") else ""
+            request = decode_commands(f"(init blue 3 {version}{asked})".encode())
             assert request is not None
             assert isinstance(request.commands[0], Init), asked
 

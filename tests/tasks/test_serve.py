@@ -77,7 +77,9 @@ class Rig:
         self.programs = [Program(*robot, stack.enter_context(_socket())) for robot in ROBOTS]
         for program in self.programs:
             program.socket.sendto(encode(Init(program.team, program.number, ASKED)), self.address)
-        self.task.receive()
+        for _ in ROBOTS:  # more inits at once than strangers have time for between two frames
+            self.task.receive()
+            self.task.server.expire()
         assert [len(program.received()) for program in self.programs] == [1] * len(ROBOTS)
         self.number = 0
         self.told: dict[tuple[Team, int], list[object]] = {}
