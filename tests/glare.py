@@ -7,12 +7,14 @@ import numpy as np
 from tests.objects.drawing import PAINTS, SETTINGS, turn_between
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.clock import ManualClock
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, rotation
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import Table
 
 CAMERA = CameraSetup.from_settings(SETTINGS)
+TOP, DOT = (0.0, 0.0, 0.085), (0.035, 0.055, 0.024)
+"""Of a robot, and of its front left dot: middle, forward and left of the robot's, and radius [m]."""
 VEIL = 0.62
 """So much white on the robot hides it from the blobs in most frames."""
 
@@ -35,10 +37,13 @@ class Film:
         robots = [robot for robot in self._camera.truth.robots if robot.team == "blue"]
         self.robot = robots[0]
 
-    def frame(self, white: float = 0.0, *, lifted: bool = False) -> ImageFrame:
-        """The picture with so much white on the robot, or without it."""
+    def frame(
+        self, white: float = 0.0, *, on: tuple[float, float, float] = TOP, lifted: bool = False
+    ) -> ImageFrame:  # fmt: skip
+        """The picture with so much white on the robot, or without it. on: where it is white, ``TOP`` or ``DOT``."""
         pixels: Bytes = self._pixels.copy()
-        on_robot = np.hypot(*(self._places - (self.robot.x_m, self.robot.y_m)).T) < 0.085
+        middle = np.array([self.robot.x_m, self.robot.y_m]) + rotation(self.robot.heading_rad) @ on[:2]
+        on_robot = np.hypot(*(self._places - middle).T) < on[2]
         flat = pixels.reshape(-1, 3)
         flat[on_robot] = ((1.0 - white) * flat[on_robot] + white * 235.0).astype(np.uint8)
         if lifted:

@@ -45,7 +45,8 @@ def middle(drawn: Picture, height_m: float) -> tuple[float, float]:
     return x, y
 
 
-def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1) -> Scene:
+def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1, read: Table | None = None) -> Scene:
+    """A drawn picture to be explained. read: as of ``Scene``; None: no robot is."""
     pixels = drawn.as_bytes(noise, seed)
     blobs = drawn.blobs(noise, seed, PAINT_TABLE)
     seen = Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera_map_from(drawn.camera))
@@ -54,7 +55,7 @@ def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1) -> Scene:
         out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
         return out[: find_robots(seen, finder, out)]
 
-    return Scene(seen, PAINT_TABLE, find)
+    return Scene(seen, PAINT_TABLE, find, np.zeros(0, dtype=ROBOT) if read is None else read)
 
 
 def seen_in(drawn: Picture, finder: RobotFinder, seed: int = 1) -> Table:

@@ -5,11 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.glare import CAMERA, VEIL, Film
+from tests.glare import CAMERA, DOT, VEIL, Film
 from tests.objects.drawing import PAINTS, SETTINGS
 from vision_core.clock import Instant, ManualClock
 from vision_core.objects.robots.held import MAX_MISSED
 from vision_core.pipeline import perception as perception_module
+from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.perception import Perception, confirm_picture
 from vision_core.types.image import ImageFrame
 from vision_core.types.tables import NO_ID
@@ -65,6 +66,18 @@ def test_the_search_finds_a_robot_that_stands_in_glare(perception: Perception) -
     perception.suggest(found)
     perception.perceive(frame, film.clock)
     assert len(film.read(perception.robots)) == 1
+
+
+@pytest.mark.slow
+def test_a_robot_that_its_shape_tells_has_no_reason() -> None:
+    film, perception = Film(), Perception(SETTINGS, CAMERA)
+    film.next()
+    frame = film.frame(VEIL, on=DOT)
+    by_blobs = perception.perceive_alone(frame, film.clock).record()
+    (reason,) = reasons_of(perception, by_blobs)
+    assert "has no id: 4 of the 5 patches" in reason.text
+    still = perception.perceive_still(frame, film.clock).record()
+    assert reasons_of(perception, still) == ()
 
 
 def test_an_empty_field_suggests_nothing(perception: Perception) -> None:

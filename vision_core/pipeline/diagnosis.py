@@ -23,7 +23,7 @@ from vision_core.regions.picture_kind import kind_reasons
 from vision_core.regions.shift_words import calibration_reasons
 from vision_core.types.objects import Sightings
 from vision_core.types.reasons import Reason
-from vision_core.types.tables import SightingsTable, Table
+from vision_core.types.tables import NO_ID, SightingsTable, Table
 
 OVERFLOW = Reason(
     "too many blobs: parts of the picture were not searched", "Narrow the color classes, or raise blobs.max_runs."
@@ -115,7 +115,9 @@ def scene_of(perception: Perception) -> Scene:
 
     count, _ = search(context.robots)
     observation = Observation(blobs[:count], count, perception.pixels, context.classes, context.camera)
-    return Scene(observation, perception.table, lambda finder: search(finder)[1])
+    robots = perception.robots
+    read = robots[(robots["id"] != NO_ID) & ~np.isnan(robots["heading_rad"])]
+    return Scene(observation, perception.table, lambda finder: search(finder)[1], read)
 
 
 def color_conflicts(perception: Perception) -> tuple[Reason, ...]:

@@ -1,11 +1,13 @@
 """The reasons given when robots are not found or have no id."""
 
+import numpy as np
 import pytest
 
 from tests.objects.drawing import Picture
 from tests.objects.finding import empty_picture, middle, scene_of, settings_of
 from vision_core.objects.robots.reasons import explain_robots
 from vision_core.patterns.loader import load_pattern
+from vision_core.types.tables import ROBOT
 
 SSL = load_pattern("ssl-standard")
 CODES = SSL.code_by_id
@@ -67,6 +69,17 @@ def test_what_is_in_a_missing_patchs_place(paint: str, expected: str) -> None:
     text = said(drawn)
     assert "has no id: 4 of the 5 patches of pattern ssl-standard are found" in text
     assert f"the back left patch {expected}" in text
+
+
+@pytest.mark.parametrize(("code", "why"), [("P-PP", "has no id"), ("----", "is not found")])
+def test_nothing_is_said_of_a_robot_that_its_shape_tells(code: str, why: str) -> None:
+    drawn, x, y = picture()
+    drawn.paint_robot("blue", code, x, y, 0.0)
+    read = np.zeros(1, dtype=ROBOT)
+    read["id"], read["x_m"], read["y_m"] = 0, x + 0.01, y
+    settings = settings_of("ssl-standard")
+    assert why in "\n".join(map(str, explain_robots(scene_of(drawn), settings)))
+    assert explain_robots(scene_of(drawn, read=read), settings) == []
 
 
 def test_two_robots_with_one_id() -> None:

@@ -34,7 +34,7 @@ from vision_core.objects.robots.unread import (
 )
 from vision_core.settings.schema import Settings
 from vision_core.types.reasons import Reason
-from vision_core.types.tables import NO_ID, TEAMS
+from vision_core.types.tables import TEAMS
 
 NUMERALS = {2: "two", 3: "three", 4: "four"}
 MAX_REASONS = 3
@@ -53,21 +53,18 @@ def explain_robots(
     """
     finder = robot_finder(settings, scene.table)
     seen = seen_robots(scene, finder)
-    robots = seen.robots
     missed = missed_robots(scene, finder, settings, seen)
     reasons = list(_not_found(missed, seen, settings))
     for marker in finder.markers:
-        own = robots[robots["team"] == marker.team]
         is_first = marker is next(one for one in finder.markers if one.team == marker.team)
-        if is_first and not len(robots) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
+        if is_first and not len(seen.known) and not any(one.team in (marker.team, NO_TEAM) for one in missed):
             reasons.append(_why_no_robot(scene, finder, marker))
         reasons += _without_heading(scene, marker, seen, settings)
-        if (own["id"] == NO_ID).any():
-            reasons += _why_no_id(scene, marker, seen, settings)
-    if len(robots) and not is_over():
+        reasons += _why_no_id(scene, marker, seen, settings)
+    if len(seen.robots) and not is_over():
         reasons += _doubts(scene, finder, seen, settings, is_floor_right=is_floor_right)
-    if missed or not len(robots) or (robots["id"] == NO_ID).any():
-        reasons += better_pattern(scene, robots, settings, is_over)
+    if missed or not len(seen.known) or any(map(seen.lacks_id, range(len(seen.found)))):
+        reasons += better_pattern(scene, seen.robots, settings, is_over)
     return reasons
 
 
@@ -97,7 +94,7 @@ def _not_found(missed: list[Missed], seen: SeenRobots, settings: Settings) -> It
         own = [one for one in missed if one.team == team]
         name = "robot" if team == NO_TEAM else f"{TEAMS[team]} robot"
         lone = [one for one in own if one.is_alone]
-        lacking = settings.match.numbers - int((seen.found["team"] == team).sum())
+        lacking = settings.match.numbers - int((seen.known["team"] == team).sum())
         if len(lone) > max(lacking, MAX_REASONS):
             own = [one for one in own if not one.is_alone]
             yield _markings(lone, name, lacking)
@@ -128,8 +125,8 @@ def _further(places: list[tuple[float, float]], name: str, what: str, advice: st
 def _without_heading(scene: Scene, marker: Marker, seen: SeenRobots, settings: Settings) -> Iterator[Reason]:
     """Robots whose heading is not known although all their patches are seen, or whose pattern has no code."""
     name, tolerance_m, blind = TEAMS[marker.team], settings.robots.dot_tolerance_m, []
-    for robot, hypothesis in zip(seen.found, seen.hypotheses, strict=True):
-        if hypothesis["marker"] != marker.number or not np.isnan(robot["heading_rad"]):
+    for robot, hypothesis, is_read in zip(seen.found, seen.hypotheses, seen.read, strict=True):
+        if is_read or hypothesis["marker"] != marker.number or not np.isnan(robot["heading_rad"]):
             continue
         if hypothesis["matched"] == len(marker.slots_m):
             blind.append((float(robot["x_px"]), float(robot["y_px"])))
@@ -183,7 +180,7 @@ def _why_no_id(scene: Scene, marker: Marker, seen: SeenRobots, settings: Setting
     shown, twins, said, further = Counter[int](), [], 0, []
     for number, robot in enumerate(seen.found):
         hypothesis = seen.hypotheses[number]
-        if hypothesis["marker"] != marker.number or seen.id_of(number) != NO_ID:
+        if hypothesis["marker"] != marker.number or not seen.lacks_id(number):
             continue
         place = (float(robot["x_px"]), float(robot["y_px"]))
         if np.isnan(robot["heading_rad"]) and hypothesis["matched"] == len(marker.slots_m):

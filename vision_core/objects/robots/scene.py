@@ -19,10 +19,12 @@ from vision_core.patterns.loader import load_pattern
 from vision_core.patterns.pattern import TEAM
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
-from vision_core.types.tables import TEAMS, Table
+from vision_core.types.tables import NO_ID, TEAMS, Table
 
 MAX_MISSING = 2
 """Missing patches that are explained, per robot."""
+APART = 0.8
+"""What is nearer to a robot than this share of its radius is that robot."""
 MIN_MERGED = 1.6
 """A blob so many times as large as a patch is two that have run together."""
 
@@ -35,7 +37,9 @@ class Scene:
     """With the blobs of all color classes."""
     table: ColorTable
     robots: Callable[[RobotFinder], Table]
-    """The robots that the hot path finds with a given finder: ROBOT table, shape (n,)."""
+    """The robots that the hot path finds by blobs with a given finder: ROBOT table, shape (n,)."""
+    read: Table
+    """The frame's robots with an id and a heading, told by their blobs or their shape: ROBOT, shape (n,)."""
 
     @property
     def blobs(self) -> Table:
@@ -55,6 +59,10 @@ class SeenRobots:
     """The robots in this order; two of a team with one id still have it. ROBOT, shape (n,)."""
     alike: Mask
     """Which of them another marker of the same team explains about as well, shape (n,)."""
+    read: Mask
+    """Which of them are among the frame's robots that are read (``Scene.read``), shape (n,)."""
+    known: Table
+    """Those that are read, then those of ``found`` that are not: ROBOT, shape (n,)."""
 
     def id_of(self, number: int) -> int:
         """The id of a robot in this order; NO_ID when another one of its team has the same."""
@@ -62,13 +70,22 @@ class SeenRobots:
         same = (self.robots["team"] == row["team"]) & (self.robots["x_m"] == row["x_m"])
         return int(self.robots["id"][same & (self.robots["y_m"] == row["y_m"])][0])
 
+    def lacks_id(self, number: int) -> bool:
+        """Has a robot in this order no id, whatever might have told it?"""
+        return not self.read[number] and self.id_of(number) == NO_ID
+
 
 def seen_robots(scene: Scene, finder: RobotFinder) -> SeenRobots:
     """What a finder finds in a scene."""
     robots = scene.robots(finder)
     buffers = finder.buffers
     chosen = buffers.hypotheses[buffers.selected[: len(robots)]].copy()
-    return SeenRobots(robots, chosen, buffers.found[: len(robots)].copy(), buffers.alike[: len(robots)].copy())
+    found = buffers.found[: len(robots)].copy()
+    away = np.hypot(*(found[axis][:, None] - scene.read[axis] for axis in ("x_m", "y_m")))
+    radii = np.array([finder.markers[row["marker"]].radius_m for row in chosen])
+    read = (away < APART * radii[:, None]).any(axis=1)
+    known = np.concatenate([scene.read, found[~read]])
+    return SeenRobots(robots, chosen, found, buffers.alike[: len(robots)].copy(), read, known)
 
 
 def hypotheses_of(scene: Scene, finder: RobotFinder, marker: Marker) -> Table:

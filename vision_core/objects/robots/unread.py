@@ -21,6 +21,7 @@ from vision_core.objects.robots.hypothesis_generation import locate_blobs, slot_
 from vision_core.objects.robots.markers import Marker
 from vision_core.objects.robots.pose_refinement import id_of
 from vision_core.objects.robots.scene import (
+    APART,
     Scene,
     SeenRobots,
     code_of,
@@ -45,8 +46,6 @@ WIDER_AREA, WIDER_TOLERANCE, WIDER_FIELD = 8.0, 1.6, 3.0
 MIN_LIKENESS = 0.15
 MIN_PATCHES = 2
 """Patches beside the team's that make something robot-like; fewer where the pattern has fewer."""
-APART = 0.8
-"""What is nearer to a robot than this share of its radius is that robot."""
 SURE_PATCHES = 3
 """So many patches beside the team's, or without one, are no chance."""
 LINE_RADII = 0.5
@@ -125,13 +124,13 @@ def _unclear_shape(scene: Scene, marker: Marker, hypothesis: Any, settings: Sett
 
 
 def missed_robots(scene: Scene, finder: RobotFinder, settings: Settings, seen: SeenRobots) -> list[Missed]:
-    """Everything like a robot that is not found, each once; seen: what the finder finds.
+    """Everything like a robot that is neither found nor read, each once; seen: what the finder finds.
 
     Markings of the field, goals and noise may look like one or two patches. So few count only while a team has fewer
     robots than the match gives it.
     """
-    places = [(float(row["x_m"]), float(row["y_m"])) for row in seen.found]
-    lacks = [(seen.found["team"] == team).sum() < settings.match.numbers for team in range(len(TEAMS))]
+    places = [(float(row["x_m"]), float(row["y_m"])) for row in seen.known]
+    lacks = [(seen.known["team"] == team).sum() < settings.match.numbers for team in range(len(TEAMS))]
     missed = []
     for marker, hypothesis in _robot_like(scene, finder):
         is_likely = lacks[marker.team] or hypothesis["matched"] >= SURE_PATCHES
