@@ -16,7 +16,7 @@ Row = dict[str, Any]
 
 BENCHMARKS = (
     *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads"),
-    *("scheduling", "activation", "handover", "dashboards", "gc_pauses", "clients", "light", "faults"),
+    *("scheduling", "activation", "handover", "dashboards", "gc_pauses", "clients", "floods", "light", "faults"),
     *("onboard", "fidelity"),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
