@@ -16,7 +16,18 @@ Row = dict[str, Any]
 
 BENCHMARKS = (
     *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads"),
-    *("scheduling", "activation", "handover", "dashboards", "gc_pauses", "clients", "floods", "light", "faults"),
+    *(
+        "scheduling",
+        "activation",
+        "handover",
+        "dashboards",
+        "gc_pauses",
+        "clients",
+        "floods",
+        "fuzz",
+        "light",
+        "faults",
+    ),
     *("onboard", "fidelity"),
 )
 """Modules of this package with a function ``run() -> list[Row]``, in the order in which all are run."""
