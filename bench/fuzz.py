@@ -58,8 +58,8 @@ SEEDS = (
 )  # fmt: skip
 TOKENS = (
     b"(", b")", b" ", b"\0", b"\n", b"blue", b"yellow", b"0", b"1", b"16", b"17", b"-1", b"1e308", b"nan",
-    b"999999999999", b"init", b"set", b"sync", b"ping", b"reconnect", b"version", b"cookie", b"key", b"extra", b"mirror",
-    b"fov", b"\xff", b"((",
+    b"999999999999", b"init", b"set", b"sync", b"ping", b"reconnect", b"version", b"cookie", b"key", b"extra",
+    b"mirror", b"fov", b"\xff", b"((",
 )  # fmt: skip
 
 
