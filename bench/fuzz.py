@@ -41,6 +41,9 @@ SNAPSHOT_EVERY = 10_000
 STEP_S = 0.02
 """Of the clock, between two datagrams: rate limits let most of them pass."""
 BOOT = Instant(10**9)
+COOKIE = b"0123456789abcdef01234567"
+"""In the corpus; a sender puts the cookie in its place that it was given last."""
+CHALLENGE = b"(challenge "
 KEY = "Key_9-" + "k" * 37
 CLIENT, OTHER, STRANGER = Peer("127.0.0.1", 40000), Peer("10.0.0.7", 40001), Peer("192.0.2.9", 40002)
 PEERS = (CLIENT, CLIENT, OTHER, STRANGER)
@@ -49,8 +52,8 @@ SEEDS = (
     b"(init blue 1)(init blue 2)(mirror blue 1)",
     b"(init blue 3 (version 2) (types team) (fov 90 0) (resolution 0.25) (rate 30) (time us) (size half) (sense cw))",
     b"(init blue 3 (version 2) (mirror 4.0187 0.0125935 90000) (extra seq age sent conf flags) (port same))",
-    b"(init blue 3 (version 2) (cookie 0123456789abcdef01234567) (key %s))" % KEY.encode(),
-    b"(reconnect blue 3 (key %s) (cookie 0123456789abcdef01234567))" % KEY.encode(),
+    b"(init blue 3 (version 2) (cookie %s) (key %s))" % (COOKIE, KEY.encode()),
+    b"(reconnect blue 3 (key %s) (cookie %s))" % (KEY.encode(), COOKIE),
     b"(bye)", b"(bye blue 3)", b"(lag 1.500 0.4 6.5)", b"(lag blue 3 1.500000 0.4 -)", b"(mirror)", b"(mirror blue 3)",
     b"(set (rate 10) (extra seq))", b"(set blue 3 (types number))", b"(ping)", b"(ping 7)", b"(sync 7 123456789)",
     b"(see 1.5 ((edge) w10-ff) ((ball) -1 0 0))", b"(error not_admitted)", b"(init blue 3 play_on)", b"(sync 7 1 2 3)",
@@ -70,6 +73,8 @@ class Found:
     datagrams: int = 0
     exceptions: int = 0
     slowest_ns: int = 0
+    opened_2: int = 0
+    """Sessions of version 2."""
     too_long: int = 0
     too_many: int = 0
     unlike: int = 0
@@ -84,16 +89,22 @@ class Target:
         self._clock = ManualClock(BOOT)
         self._rules = _rules()
         self._sessions = Sessions(self._rules)
+        self._cookies: dict[Peer, bytes] = {}
 
     def feed(self, datagram: bytes) -> None:
         """One datagram, from somebody, to one of the ports."""
         peer, port = self._random.choice(PEERS), self._random.choice((Port.MAIN, Port.SESSION))
         self._clock.advance(STEP_S)
+        datagram = datagram.replace(COOKIE, self._cookies.get(peer, COOKIE))
         began = time.thread_time_ns()
         events = self._sessions.receive(datagram, peer, Endpoint(port, "127.0.0.1"), self._clock.now())
         self.found.slowest_ns = max(self.found.slowest_ns, time.thread_time_ns() - began)
         self.found.datagrams += 1
         replies = [event for event in events if isinstance(event, Reply)]
+        for reply in replies:
+            if reply.data.startswith(CHALLENGE):
+                self._cookies[peer] = reply.data[len(CHALLENGE) :].rstrip(b")\0")
+        self.found.opened_2 += sum(isinstance(one, SessionOpened) and one.session.version > 1 for one in events)
         if peer is STRANGER and not any(isinstance(event, SessionOpened) for event in events):
             own = [session for session in self._sessions if session.peer == peer]
             self.found.too_many += not own and len(replies) > 1
@@ -130,6 +141,8 @@ def run(datagrams: int = DATAGRAMS) -> list[Row]:
         {"name": "lines of the protocol reached", "value": lines, "unit": ""},
         {"name": "datagrams", "value": total["datagrams"], "unit": "", "goal": f">= {DATAGRAMS}",
          "met": total["datagrams"] >= DATAGRAMS},
+        {"name": "sessions of version 2", "value": total["opened_2"], "unit": "", "goal": "> 0",
+         "met": total["opened_2"] > 0},
         _none("exceptions", total["exceptions"]),
         {"name": "slowest datagram, processor time", "value": slowest_ms, "unit": "ms", "goal": f"< {SLOWEST_MS:g}",
          "met": slowest_ms < SLOWEST_MS},

@@ -462,9 +462,13 @@ def test_restored_sessions_equal_what_was(openings: list[tuple[Init, bool, bool,
     server = Server()
     for port, (init, nul, spoke, repeated) in enumerate(openings, start=1000):
         data = encode(init)[:-1] + b" (novelty 1))" * init.unknown_options + b")" * (not init.unknown_options)
-        data += b"\0" * nul
         peer = Peer("fd00::5", port, 2)
+        if init.options.version > 1:
+            cookie = server.answers(data, peer)[0][len("(challenge ") : -1]
+            data = data[:-1] + b" (cookie %s))" % cookie
+        data += b"\0" * nul
         server.hear(data, peer)
+        assert any(session.peer == peer for session in server.sessions)
         for endpoint in [SESSION] * spoke + [MAIN] * repeated:
             server.clock.advance(0.1)
             server.hear(data, peer, endpoint)

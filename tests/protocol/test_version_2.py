@@ -143,6 +143,19 @@ def test_a_bad_change_is_refused_and_changes_nothing(change: bytes, error: bytes
     assert session.options == before
 
 
+@pytest.mark.parametrize(
+    "forged", [INIT, b"(init blue 3 (rate 1))", b"(init blue 3 (version 2) (rate 1))", b"(init blue 3 (version 2))\0"]
+)
+def test_an_init_in_the_owners_name_without_its_cookie_changes_nothing(forged: bytes) -> None:
+    server = Server()
+    server.open_2(INIT)
+    (session,) = server.sessions
+    before = session.to_plain()
+    (told,) = server.answers(forged)
+    assert told.startswith((b"(challenge ", b"(error illegal_option)"))
+    assert session.to_plain() == before
+
+
 def test_extras_belong_to_version_2() -> None:
     assert Server().answers(b"(init blue 3 (extra seq))") == [b"(error illegal_option)"]
 

@@ -297,11 +297,12 @@ class Sessions:
     def _init(self, init: Init, nul: bool, sender: Sender) -> list[Event] | ErrorCode:
         holder = self._by_robot.get((init.team, init.number))
         own = holder if holder is not None and holder.peer == sender.peer else None
-        proven = bool(self._owned_by(sender.peer))
         if own is None and not self._door.takes_init(sender):
             return ErrorCode.RATE_LIMITED
-        if not proven and (challenge := self._door.challenge(init, nul, sender)):
+        if challenge := self._door.challenge(init, nul, sender):
             return challenge
+        if own is not None and init.options.version < own.version:  # a forged sender returns no cookie
+            return ErrorCode.ILLEGAL_OPTION
         has_key = self._door.holds_key(init)
         error = self._door.refuses(init, sender.peer, has_key=has_key or (own is not None and own.has_key))
         if error is not None:
