@@ -255,6 +255,15 @@ def test_the_fields_mirror_is_for_decoding_alone(stadium: Stadium, capsys: pytes
     assert server.heard[0] == b"(init blue 3 (version 2))"
 
 
+@pytest.mark.parametrize("given", [["--key", "Key_9"], []])
+def test_the_teams_key_goes_with_the_init(given: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PSLV_KEY", "" if given else "Key_9")
+    see = b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"
+    with granting(see) as server:
+        assert main(["--team=blue", "--number=3", f"--port={server.port}", "--count=1", *given]) == 0
+    assert server.heard[0] == b"(init blue 3 (version 2) (key Key_9))(mirror)"
+
+
 def test_the_port_is_that_of_the_servers_variable(
     stadium: Stadium, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -50,6 +50,7 @@ def main(arguments: Sequence[str] | None = None, open_pictures: OpenPictures | N
             asked.number,
             options=options,
             mirror=field_mirror,
+            key=asked.key,
             timeout_s=asked.timeout,
         )
         with robot:
@@ -174,6 +175,10 @@ def _parser() -> argparse.ArgumentParser:
         default=os.environ.get("PSLV_UDP_PORT") or "6000",
         help="UDP port of the server [that of the variable PSLV_UDP_PORT, else 6000]",
     )
+    key_help = (
+        "the team's key, from the referee; others on this computer can read arguments, but not PSLV_KEY [PSLV_KEY]"
+    )
+    add("--key", default=os.environ.get("PSLV_KEY") or "", help=key_help)
     add("--count", type=_within(1, MAX_VIEWS), help="number of views to print [no limit]")
     add("--json", action="store_true", help="one line of JSON per view")
     add("--draw", type=Path, metavar="PNG", help="draw the last view as the picture of an on-board camera")
