@@ -12,7 +12,6 @@ import pytest
 
 from tests.client.fake import ScriptedServer
 from tests.net.serving import Stadium, running
-from tests.protocol.samples import rules
 from vision_core.client import Options, connect
 from vision_core.client.connection import RESTART_S, SILENCE_S
 from vision_core.client.lag import REPORT_S, TO_REPORTS
@@ -24,7 +23,6 @@ from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.lifecycle import SessionState
 from vision_core.protocol.messages import FIXED_BY_MATCH, MirrorReply, WarningReply
-from vision_core.protocol.session import Sessions
 from vision_core.types.objects import Team
 
 HOST = "127.0.0.1"
@@ -401,9 +399,7 @@ def test_a_restarted_server_is_found_again() -> None:
     with running(stadium):
         robot = connect(HOST, stadium.port, "blue", 3)
         assert robot.receive(1.0) is not None
-    stadium.server.close()
-    stadium.rules = rules(boot=stadium.clock.now())
-    stadium.start(Sessions(stadium.rules))
+    stadium.restart()
     with robot, running(stadium):
         robot.latest()
         robot._heard_at = robot._asked_at = Instant(robot._heard_at - round(RESTART_S * 1e9))

@@ -5,7 +5,7 @@ import select
 import socket
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tests.protocol.samples import CODES, rules, simple_view
 from vision_core.clock import Instant, MonotonicClock
@@ -67,6 +67,12 @@ class Stadium:
 
     def restore(self, snapshot: bytes) -> None:
         self.server = UdpServer.restore(self.main, self.session, self.rules, snapshot, self.clock, seed=1)
+
+    def restart(self) -> None:
+        """A server without sessions, of another boot; not while it runs."""
+        self.server.close()
+        self.rules = replace(self.rules, boot=self.clock.now())
+        self.start(Sessions(self.rules))
 
     def close(self) -> None:
         self.server.close()
