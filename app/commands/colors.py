@@ -82,7 +82,9 @@ def find(
     """Find all colors by themselves: camera, field and patterns must be right; exit status 2 when they are doubtful."""
     from app.commands.progress import Progress
     from vision_core.models.camera_setup import CameraSetup
+    from vision_core.objects.robots.scene import counted
     from vision_core.palette.find import find_colors
+    from vision_core.palette.result import paint_in_words
     from vision_core.venues.loader import layers_of, settings_from_layers
     from vision_core.venues.palette_edit import color_tables, save_colors
 
@@ -99,9 +101,10 @@ def find(
     finally:
         progress.show("")
     for picture, read in zip(pictures, found.pictures, strict=True):
-        typer.echo(f"# {picture}: {read.robots} robots, {read.with_id} with id, {read.clear} clear; {read.balls} balls")
+        robots, balls = counted(read.robots, "robot"), counted(read.balls, "ball")
+        typer.echo(f"# {picture}: {robots}, {read.with_id} with id, {read.clear} clear; {balls}")
     for paint in found.paints:
-        typer.echo(f"# {paint.name}: {paint.color}, seen on {paint.patches} patches")
+        typer.echo(f"# {paint.name}: {paint.color}, {paint_in_words(paint.patches)}")
     for reason in found.reasons:
         typer.echo(f"# {reason}")
     typer.echo(color_tables(found.colors))

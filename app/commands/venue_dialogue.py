@@ -13,6 +13,8 @@ from vision_core.calibration.result import Progress as Tell
 from vision_core.errors import PslvError, SettingsError
 from vision_core.geometry import Bytes
 from vision_core.native.opencv import read_picture
+from vision_core.objects.robots.scene import counted
+from vision_core.palette.result import paint_in_words
 from vision_core.settings.schema import HexColor
 from vision_core.setup.camera import find_camera
 from vision_core.setup.choices import missing_colors, pattern_choices, with_pattern, with_preset, with_sample
@@ -260,8 +262,9 @@ def _found(draft: Draft, pixels: Sequence[Bytes], answers: Answers, talk: Talk) 
     """With colors that are found in the pictures; on a terminal doubtful ones are named instead of taken."""
     trial = talk.working(lambda tell: find_all_colors(draft, pixels, tell))
     for paint in trial.paints:
-        typer.echo(f"{paint.name}: {paint.color}, seen on {paint.patches} patches")
-    typer.echo(f"with these colors: {trial.robots} robots, {trial.with_id} with an id, {trial.balls} balls")
+        typer.echo(f"{paint.name}: {paint.color}, {paint_in_words(paint.patches)}")
+    robots, balls = counted(trial.robots, "robot"), counted(trial.balls, "ball")
+    typer.echo(f"with these colors: {robots}, {trial.with_id} with an id, {balls}")
     for reason in trial.reasons:
         typer.echo(f"  {reason}")
     if trial.is_accepted:

@@ -79,6 +79,27 @@ def test_guessed_colors_are_refused_and_what_is_not_read_has_its_place(monkeypat
     judged = tuple(replace(one, evidence=np.zeros(len(one.robots))) for one in guess.judged)
     unread = result_of(trial, replace(guess, judged=judged))
     x, y = (round(float(judged[0].robots[0][axis])) for axis in ("x_px", "y_px"))
-    assert f"{len(judged[0].robots)} things look like robots and are not read: at ({x}, {y}) px of picture 1" in str(
+    assert f"looks like a robot with these colors and is not read: at ({x}, {y}) px of picture 1" in str(
         unread.remarks[-1]
     )
+    assert "orange could not be learned: 1 ball read, none of them a clear disc" in str(unread.remarks[-2])
+
+
+@pytest.mark.parametrize(("unread", "expected"), [(0, []), (1, ["yellow: 1 yellow robot without an id may wear it"])])
+def test_only_a_robot_of_its_team_may_wear_a_team_s_paint(
+    unread: int, expected: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A blue or a yellow robot has no id, and no picture shows yellow."""
+    settings = load_settings("demo-vsss")
+    ((pixels, _),) = rendered(settings, PAINTS_BGR, monkeypatch, 1)
+    trial = Trial(settings, light_from(pixels, settings))
+    picture = trial.prepared(pixels)
+    names = {name: bgr[None] for name, bgr in zip(trial.paints, trial.typical, strict=True)}
+    guess = judged_with(trial, [picture], Measured(names, np.zeros((0, 3))), FIRST, cells_of([picture]))
+    (judged,) = guess.judged
+    robots, evidence = judged.robots[:2].copy(), np.array([1.0, 0.0])
+    robots["team"] = 0, unread
+    counts = np.array([name != "yellow" for name in trial.paints], dtype=np.int64)
+    found = result_of(trial, replace(guess, counts=counts, judged=(replace(judged, robots=robots, evidence=evidence),)))
+    told = [reason.text.removeprefix("no marker that is read shows ") for reason in found.refused]
+    assert [text for text in told if "wear" in text] == expected

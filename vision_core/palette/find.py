@@ -15,7 +15,7 @@ from vision_core.color.samples import Measured, claims_by_samples, places_of
 from vision_core.geometry import Bytes
 from vision_core.palette.learn import LEARNED, learn
 from vision_core.palette.light import light_from
-from vision_core.palette.reading import Palette, cells_of, completed, judged_again, judged_with
+from vision_core.palette.reading import Palette, cells_of, completed, judged_again, judged_with, read_with
 from vision_core.palette.result import ColorsFound, result_of
 from vision_core.palette.starts import FIRST, starts_for
 from vision_core.palette.trial import Picture, Trial
@@ -48,7 +48,7 @@ def find_colors(pictures: Sequence[Bytes], settings: Settings, progress: Progres
     """
     trial = Trial(settings, light_from(pictures[0], settings))
     prepared = [trial.prepared(pixels) for pixels in pictures]
-    return result_of(trial, find_palette(trial, prepared, progress))
+    return result_of(trial, read_with(trial, prepared, find_palette(trial, prepared, progress)))
 
 
 def find_palette(trial: Trial, pictures: Sequence[Picture], progress: Progress = no_progress) -> Palette:

@@ -83,6 +83,12 @@ def judged_again(trial: Trial, pictures: Sequence[Picture], palette: Palette) ->
     return replace(palette, score=sum(one.score for one in judged), judged=judged)
 
 
+def read_with(trial: Trial, pictures: Sequence[Picture], palette: Palette) -> Palette:
+    """The same palette with what is read in pictures, robots that only their shape shows among it."""
+    trial.use(palette.table)
+    return replace(palette, judged=tuple(trial.read(picture) for picture in pictures))
+
+
 def palette_of_settings(trial: Trial, table: ColorTable) -> Palette:
     """The palette of the settings, whose color table has more classes, or other places for them."""
     places = np.zeros(len(table.names), dtype=np.uint8)

@@ -7,11 +7,13 @@ import msgspec
 import numpy as np
 
 from vision_core.color.samples import NONE, Measured, hex_from_bgr, references_from
+from vision_core.objects.robots.scene import counted
 from vision_core.palette.learn import LEARNED
 from vision_core.palette.reading import Palette
 from vision_core.palette.trial import BALL, Trial
 from vision_core.settings.schema import ColorSettings
 from vision_core.types.reasons import Reason
+from vision_core.types.tables import TEAMS
 
 TOO_NEAR, NEAR = 2.5, 4.0
 """Papers whose colors lie less than this many spreads apart are not told apart for sure; nearly so."""
@@ -102,9 +104,14 @@ def result_of(trial: Trial, palette: Palette) -> ColorsFound:
         for one in palette.judged
     )  # fmt: skip
     near = _near_paints(trial, palette, measured)
-    worn = np.unique(np.concatenate([kind.worn.ravel() for kind in trial.kinds[:BALL]]))
-    refused = _refused([paints[number] for number in worn], near, pictures)
-    return ColorsFound(colors, paints, near, pictures, tuple(refused), tuple(_remarks(paints, near, pictures)))
+    ball = paints[trial.kinds[BALL].worn[0, 0]]
+    refused, remarks = _refused(trial, palette, paints, near, pictures), _remarks(paints, ball, near, pictures)
+    return ColorsFound(colors, paints, near, pictures, tuple(refused), tuple(remarks))
+
+
+def paint_in_words(patches: int) -> str:
+    """From what a paint's color is known. patches: that show it."""
+    return f"seen on {counted(patches, 'paper')}" if patches else "known by its name alone"
 
 
 def _near_paints(trial: Trial, palette: Palette, measured: Measured) -> tuple[NearPaints, ...]:
@@ -136,44 +143,63 @@ def _confusable(trial: Trial) -> set[tuple[int, int]]:
 
 
 def _refused(
-    worn: Sequence[PaintFound], near: Sequence[NearPaints], pictures: Sequence[PictureRead]
+    trial: Trial, palette: Palette, paints: Sequence[PaintFound], near: Sequence[NearPaints],
+    pictures: Sequence[PictureRead],
 ) -> list[Reason]:  # fmt: skip
-    """worn: the paints of the robots."""
     if not any(one.clear for one in pictures):
         return [Reason(
             "no robot's marker is read clearly",
             "Check the pattern, the robots' height and the camera, or give pictures that show more robots.",
         )]  # fmt: skip
-    unseen = ", ".join(one.name for one in worn if not one.patches)
-    if not any(one.patches for one in worn):
+    worn = _worn(trial, TEAMS)
+    if not any(paints[number].patches for number in worn):
+        names = ", ".join(paints[number].name for number in worn)
         return [Reason(
-            f"no color was learned: looked for {unseen}, found markers that are clear with guessed colors only",
+            f"no color was learned: looked for {names}, found markers that are clear with guessed colors only",
             "Give pictures with more robots or better light, or measure the colors with `pslv colors sample`.",
         )]  # fmt: skip
     reasons = [_alike(pair, "too alike") for pair in near if pair.spreads < TOO_NEAR]
-    if unseen and (unread := sum(len(one.unread) for one in pictures)):
-        reasons.append(Reason(
-            f"{unread} robots are not read, and no marker that is read shows {unseen}: they may wear it",
-            "Give that paper another color if it looks like another one's; otherwise add pictures that show it.",
-        ))  # fmt: skip
+    for number, team in enumerate(TEAMS):
+        unread = sum(int((one.robots["team"][one.evidence == 0.0] == number).sum()) for one in palette.judged)
+        unseen = ", ".join(paints[paint].name for paint in _worn(trial, (team,)) if not paints[paint].patches)
+        if unread and unseen:
+            who = counted(unread, f"{team} robot")
+            reasons.append(Reason(
+                f"no marker that is read shows {unseen}: {who} without an id may wear it",
+                "Give that paper another color if it looks like another one's; otherwise add pictures that show it.",
+            ))  # fmt: skip
     return reasons
 
 
+def _worn(trial: Trial, teams: Sequence[str]) -> list[int]:
+    """The paints that robots of some teams may wear, each once."""
+    worn = [kind.worn.ravel() for kind in trial.kinds if kind.name in teams]
+    return [int(number) for number in np.unique(np.concatenate(worn))]
+
+
 def _remarks(
-    paints: Sequence[PaintFound], near: Sequence[NearPaints], pictures: Sequence[PictureRead]
+    paints: Sequence[PaintFound], ball: PaintFound, near: Sequence[NearPaints], pictures: Sequence[PictureRead]
 ) -> list[Reason]:  # fmt: skip
+    """ball: the paint that the ball has; robots may wear it, too."""
     reasons = [_alike(pair, "alike") for pair in near if pair.spreads >= TOO_NEAR]
-    if unseen := [one.name for one in paints if not one.patches]:
+    if unseen := [one.name for one in paints if not one.patches and one is not ball]:
         reasons.append(Reason(
             f"no picture shows {', '.join(unseen)}",
             "Add a picture with a robot that wears it; until then its name alone says how it looks.",
         ))  # fmt: skip
+    if not ball.patches:
+        balls = sum(one.balls for one in pictures)
+        why = f"{counted(balls, 'ball')} read, none of them a clear disc" if balls else "no ball is read"
+        reasons.append(Reason(
+            f"{ball.name} could not be learned: {why}",
+            "Add a picture in which the ball lies free; until then its name alone says how it looks.",
+        ))  # fmt: skip
     places = [f"{place} px of picture {number}" for number, one in enumerate(pictures, 1) for place in one.unread]
     if places:
-        more = f" and {len(places) - MAX_PLACES} more" if len(places) > MAX_PLACES else ""
+        shown, more = ", ".join(places[:MAX_PLACES]), len(places) - MAX_PLACES
+        where = f"{shown} and {more} more" if more > 0 else shown
         reasons.append(Reason(
-            f"with these colors {len(places)} things look like robots and are not read: at "
-            f"{', '.join(places[:MAX_PLACES])}{more}",
+            f"something looks like a robot with these colors and is not read: at {where}",
             "Where no robot stands, mask what lies there (camera.masks), or add pictures that show it in other light.",
         ))  # fmt: skip
     return reasons
