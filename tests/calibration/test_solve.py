@@ -114,6 +114,18 @@ def test_a_width_that_no_touch_line_tells_is_not_solved(views: list[View]) -> No
     assert "how wide the field is" in " ".join(map(str, result.reasons))
 
 
+def test_a_wall_s_edge_is_no_touch_line_whose_paint_tells_the_width() -> None:
+    """White paint before a white wall looks like the wall alone; of a thin line that does not matter."""
+    size = 780, 580
+    wide, thin = view(0, field__line_width_m=0.045), view(0)
+    for shown, is_refused in ((wide, True), (thin, False)):
+        start = start_from_lens(shown.start, size)
+        result = calibrate([shown.pixels], shown.settings.field, start, frees_measures=True)
+        assert ("90 mm of the field's width" in " ".join(map(str, result.reasons))) == is_refused
+        assert result.accepted != is_refused
+        assert calibrate([shown.pixels], shown.settings.field, start).accepted
+
+
 def reasons(pixels: Bytes, preset: str = "ssl-2002") -> str:
     field = load_settings(options={"field_preset": preset}).field
     result = calibrate([pixels], field, None)

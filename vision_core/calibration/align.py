@@ -12,7 +12,7 @@ from vision_core.calibration.painted import Painted, placed
 from vision_core.calibration.profiles import FloatImage, find_edges
 from vision_core.calibration.ridges import Ridges
 from vision_core.calibration.solver import Fit, Prior, Sights, fit
-from vision_core.geometry import Floats, rotation
+from vision_core.geometry import Floats, Mask, rotation
 
 TURNS_DEG = np.arange(-4.0, 4.1, 1.0)
 SCALES = np.array([0.94, 0.97, 1.0, 1.03, 1.06])
@@ -66,6 +66,8 @@ class Seen:
     sights: Sights
     sections: NDArray[np.intp]
     """Index of each sight's section, shape (n,)."""
+    is_step: Mask
+    """Which sights are a single edge along a wall: it is the paint's, or the wall's where no paint lies. Shape (n,)."""
     rise_px: float
     """Median length of an edge from carpet to paint; nan where none was found."""
 
@@ -86,8 +88,11 @@ def look(painted: Painted, lens: Lens, lumas: Sequence[FloatImage], reach_px: fl
     normals = placed_px.normals[sections]
     middles, moves = painted.middles_m[sections], painted.moves[sections]
     measured = lens.project(middles + moves @ lens.stretch) + normals * offsets[:, None]
+    both: Mask = np.logical_or.reduce([edges.found & (edges.single == 0) for edges in seen])
+    is_step = (painted.inward != 0)[sections] & ~both[sections]
     rises = [edges.rise_px for edges in seen if np.isfinite(edges.rise_px)]
-    return Seen(Sights(middles, moves, measured, normals), sections, float(np.median(rises)) if rises else np.nan)
+    sights = Sights(middles, moves, measured, normals)
+    return Seen(sights, sections, is_step, float(np.median(rises)) if rises else np.nan)
 
 
 def searched(lens: Lens, painted: Painted, lumas: Sequence[FloatImage], prior: Prior, *, wide: bool) -> Fit | None:

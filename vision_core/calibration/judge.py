@@ -13,7 +13,7 @@ from vision_core.calibration.painted import TOUCH_LINES, Painted, placed, sectio
 from vision_core.calibration.result import Calibration, LineResult
 from vision_core.calibration.solver import Fit, Prior, Sights, fit
 from vision_core.calibration.start import FIXED
-from vision_core.geometry import Bytes, Floats
+from vision_core.geometry import Bytes, Floats, Mask
 from vision_core.settings.schema import FieldSettings, LensSettings
 from vision_core.types.colors import LUMA_BGR
 from vision_core.types.reasons import Reason
@@ -38,6 +38,8 @@ MAX_RISE_PX, MAX_RISE = 6.0, 0.008
 """Longest edge from carpet to paint, likewise: longer ones are blurred."""
 MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR = 0.01, 0.005
 """Largest floor error: in metres, or as a share of the field's length."""
+MAX_STEPS = 0.9
+"""Largest share of sections along a wall that show a single edge, where the line's paint is seen."""
 KNOWN = 0.5
 """A measure of the field was found when its deviation is less than this share of the one before."""
 CENTER_SIGMAS = 4.0
@@ -80,6 +82,8 @@ class Measured:
     sights: Sights
     sections: NDArray[np.intp]
     """Index of each sight's section in painted, shape (n,)."""
+    is_step: Mask
+    """As of ``align.Seen``, shape (n,)."""
     rise_px: float
     beside_px: Floats
     """How far beside its place each line is seen that shows no paint there; nan for the others; shape (lines,)."""
@@ -96,6 +100,12 @@ class Measured:
     def line(self) -> NDArray[np.intp]:
         """Index of each sight's line, shape (n,)."""
         return self.painted.line[self.sections]
+
+    @property
+    def shows_touch_paint(self) -> bool:
+        """Do the touch lines show paint, not just where the floor ends at a wall?"""
+        own = self.is_step[self.line < len(TOUCH_LINES)]
+        return bool(own.mean() < MAX_STEPS) if len(own) else False
 
 
 def picture_reasons(pictures: Sequence[Bytes], field: FieldSettings) -> tuple[Reason, ...]:
@@ -196,6 +206,13 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
     if scene.frees_measures and not any(line.name in TOUCH_LINES for line in found):
         text = "neither touch line was found, so nothing tells how wide the field is"
         yield Reason(text, "Clear the touch lines, or measure the field's width and take it as it is.")
+    elif scene.frees_measures and scene.field.line_width_m > _most_m(scene) and not measured.shows_touch_paint:
+        beside_mm = 2e3 * scene.field.line_width_m
+        yield Reason(
+            "along the touch lines only the walls' edge is seen, with paint before it or without: that is "
+            f"{beside_mm:.0f} mm of the field's width",
+            "Measure the field's width and take it as it is; where no touch line is painted, name points at the walls.",
+        )
     if result.rms_px > max(MAX_RMS_PX, MAX_RMS * max(scene.size_px)):
         text = f"the lines lie {result.rms_px:.1f} px (rms) beside where one camera can see them"
         yield Reason(text, "Check the field's measures.")
@@ -209,12 +226,17 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
     if tested and max(tested)[0] > max(MAX_HELD_OUT_PX, MAX_HELD_OUT * max(scene.size_px)):
         text = f"the {max(tested)[1]} lies {max(tested)[0]:.0f} px beside the place that all other lines give it"
         yield Reason(text, "Check the field's measures.")
-    if result.floor_error_m > max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m):
+    if result.floor_error_m > _most_m(scene):
         advice = "Show more of the lines."
         if _is_height_unknown(result):
             advice = "Measure the camera's height with a tape and give it, or show more of the lines."
         yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", advice)
     yield from _lens_refusals(scene, lens, preset)
+
+
+def _most_m(scene: Scene) -> float:
+    """How far off places on the floor may be [m]."""
+    return max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m)
 
 
 def _is_height_unknown(result: Calibration) -> bool:

@@ -240,11 +240,10 @@ def _refined(scene: Scene, lens: Lens, lumas: Sequence[FloatImage]) -> Measured:
         trust = _trust(seen.sights.distances(lens), painted.line[seen.sections])
     near = np.abs(seen.sights.distances(lens)) <= MAX_SIGMAS * found.noise_px
     near &= _is_shown(painted, seen.sections)
-    sights, sections = seen.sights.chosen(near), seen.sections[near]
+    sights, sections, is_step = seen.sights.chosen(near), seen.sections[near], seen.is_step[near]
     found = fit(lens, sights, scene.prior, trust=trust)
-    return Measured(
-        painted, sights, sections, seen.rise_px, _beside(painted, found.lens, lumas, sections), trust, found
-    )
+    beside = _beside(painted, found.lens, lumas, sections)
+    return Measured(painted, sights, sections, is_step, seen.rise_px, beside, trust, found)
 
 
 def _is_shown(painted: Painted, sections: NDArray[np.intp]) -> Mask:
