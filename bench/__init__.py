@@ -11,6 +11,8 @@ Cost of the pipeline's stages: ``segmentation``, ``loop`` (all stages), ``views`
 Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA paper's experiment, with ``cambada``),
 ``activation``, ``handover``, ``dashboards``, ``gc_pauses``.
 
+Clocks: ``clock_sync`` (with ``clock_paths``).
+
 The whole service: ``clients``, ``light`` (with ``true_world``), ``faults`` (with ``fault_targets`` and ``shutdown``).
 
 Shared parts: ``calibration_views`` renders the pictures of random cameras, ``service`` starts the real service,

@@ -23,6 +23,7 @@ BENCHMARKS = (
         "dashboards",
         "gc_pauses",
         "clients",
+        "clock_sync",
         "floods",
         "fuzz",
         "light",

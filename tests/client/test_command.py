@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -57,7 +58,8 @@ def test_json_lines(stadium: Stadium, capsys: pytest.CaptureFixture[str]) -> Non
     assert main(arguments(stadium, "--count", "3", "--json")) == 0
     views = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert len(views) == 3
-    assert set(views[0]) == {"time_s", "edges", "ball"}
+    assert set(views[0]) == {"time_s", "edges", "ball", "age_s", "age_bound_s"}
+    assert (views[0]["age_s"], views[0]["age_bound_s"]) == (None, None)  # the clock takes some answers
     assert views[0]["edges"] == [["w", 0x2C]] * 360
     assert views[0]["ball"] == {"px": 61, "direction_deg": 121, "size_deg": 6, "hidden": False}
     assert views[0]["time_s"] < views[1]["time_s"] < views[2]["time_s"]
@@ -171,6 +173,17 @@ def test_a_reader_who_has_seen_enough(stadium: Stadium) -> None:
         assert client.wait(timeout=30) == 0
         assert client.stderr is not None
         assert client.stderr.read() == ""
+
+
+def test_once_the_clock_is_known_the_lag_is_said(stadium: Stadium, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments(stadium, "--count", "40")) == 0
+    first, *_, last = capsys.readouterr().out.splitlines()
+    assert "lag" not in first
+    assert re.search(r"\d s, lag -?\d+\.\d \+- \d+\.\d ms, nearest", last)
+    assert main(arguments(stadium, "--count", "40", "--json")) == 0
+    told = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert abs(told["age_s"]) < 10.0
+    assert told["age_bound_s"] > 0.0
 
 
 def granting(*then: bytes) -> ScriptedServer:

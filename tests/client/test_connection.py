@@ -1,8 +1,10 @@
 """A client against a server that plays, and against servers that misbehave."""
 
+import asyncio
 import functools
 import itertools
 import logging
+import math
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -15,7 +17,7 @@ from tests.net.serving import Stadium, running
 from vision_core.client import Options, connect
 from vision_core.client.connection import RESTART_S, SILENCE_S
 from vision_core.client.lag import REPORT_S, TO_REPORTS
-from vision_core.clock import Instant, ManualClock
+from vision_core.clock import Instant, ManualClock, seconds_between
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.delivery import UNKNOWN
@@ -188,6 +190,53 @@ def test_a_server_of_version_2_tells_the_mirror_with_its_answer(stadium: Stadium
     with connect(HOST, stadium.port, "blue", 3, options=Options(extras=("seq", "flags"))) as robot:
         assert robot.facts is not None
         assert (robot.facts.version, robot.facts.mirror, robot.facts.venue) == (2, PAPER_MIRROR, "default")
+
+
+def test_the_servers_clock_is_learned_while_views_are_read(stadium: Stadium) -> None:
+    with connect(HOST, stadium.port, "blue", 3) as robot:
+        assert math.isnan(robot.server_time().time_s)
+        views = list(itertools.islice(robot, 40))
+        before = stadium.clock.now()
+        time_s, bound_s = robot.server_time()
+        truth_s = [seconds_between(stadium.rules.boot, now) for now in (before, stadium.clock.now())]
+    assert truth_s[0] - bound_s <= time_s <= truth_s[1] + bound_s
+    assert math.isnan(views[0].age_s)
+    assert math.isfinite(views[-1].age_bound_s)
+    assert views[-1].age_s > -views[-1].age_bound_s
+
+
+def test_an_answer_waits_for_a_busy_program_without_harm(stadium: Stadium) -> None:
+    """Answers arrive when the kernel stamps them: else reading every 50 ms would give a bound of 25 ms."""
+    with connect(HOST, stadium.port, "blue", 3) as robot:
+        for _ in range(100):
+            time.sleep(0.05)
+            robot.latest()
+            if robot.server_time().bound_s < 0.02:
+                break
+        assert robot.server_time().bound_s < 0.02
+
+
+def test_a_server_of_version_1_is_not_asked_for_its_clock() -> None:
+    with granting(see(1.0)) as server, connect_with_mirror(HOST, server.port, "blue", 3) as robot:
+        view = robot.receive(1.0)
+        assert view is not None
+        assert (math.isnan(view.age_s), view.age_bound_s) == (True, math.inf)
+        assert robot.receive(0.1) is None
+    assert not any(b"(sync" in data for data in server.heard)
+
+
+def test_a_program_of_asyncio(stadium: Stadium) -> None:
+    async def times() -> list[float]:
+        found: list[float] = []
+        async for view in robot:
+            found.append(view.time_s)
+            if len(found) == 3:
+                break
+        return found
+
+    with connect(HOST, stadium.port, "blue", 3) as robot:
+        found = asyncio.run(times())
+    assert found == sorted(set(found))
 
 
 def test_what_the_referee_says_is_noted() -> None:

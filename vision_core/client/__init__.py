@@ -9,15 +9,17 @@
 Theory of operation. ``connect`` sends ``(init blue 3)`` until the server answers, and asks for the mirror of its field.
 A ``Connection`` then turns each ``see`` into a ``View`` of arrays; it skips views that are older than the last one, and
 ``latest`` returns the newest. It keeps the session alive; when the server was restarted it asks again, and iteration
-goes on. Once a second it reports its share of the lag: from a view's arrival to the program's next call. Silence is
-normal when the camera does not see the robot: ``receive`` then returns None and raises nothing. Distances in
-millimetres depend on the mirror: ``connect`` raises if it is neither given nor told by the server.
+goes on. It asks for the server's clock, so each view says how old it is, and how sure that is. Once a second it reports
+its share of the lag: from a view's arrival to the program's next call. Silence is normal when the camera does not see
+the robot: ``receive`` then returns None and raises nothing. Distances in millimetres depend on the mirror: ``connect``
+raises if it is neither given nor told by the server.
 
 A program that was written for a camera takes ``camera.Camera`` in its place: the views as pictures (``panorama``).
 ``recognition`` is the other way round, from an on-board picture to a view; ``comparison`` puts both beside each other.
 
-It needs NumPy and the standard library only, on any system. Files: ``connection``, ``view``, ``lag``, ``camera``,
-``panorama``, ``png``, ``comparison``, ``own_camera``, and ``__main__``, the command ``python -m vision_core.client``.
+It needs NumPy and the standard library only, on any system. Files: ``connection``, ``view``, ``lag``, ``clock_sync``,
+``clock_fit``, ``camera``, ``panorama``, ``png``, ``comparison``, ``own_camera``, and ``__main__``, the command
+``python -m vision_core.client``.
 """
 
 from vision_core.client.connection import Connection, connect

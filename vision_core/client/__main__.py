@@ -4,6 +4,7 @@ import argparse
 import itertools
 import json
 import logging
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +15,7 @@ from vision_core.client.own_camera import OpenPictures, OwnCamera, add_camera_op
 from vision_core.client.panorama import draw_view
 from vision_core.client.png import write_png
 from vision_core.client.view import View
-from vision_core.clock import MonotonicClock, after, seconds_between
+from vision_core.clock import MS_PER_S, MonotonicClock, after, seconds_between
 from vision_core.errors import PslvError
 from vision_core.geometry import Bytes
 from vision_core.models.mirror import Mirror
@@ -85,9 +86,18 @@ def plain_from_view(view: View) -> dict[str, object]:
     }
 
 
+def plain_age_of(view: View) -> dict[str, float | None]:
+    """Its age as JSON types: null while the server's clock is not known."""
+    is_known = math.isfinite(view.age_s)
+    return {"age_s": view.age_s if is_known else None, "age_bound_s": view.age_bound_s if is_known else None}
+
+
 def sentence_from_view(view: View) -> str:
     """A view in one line for people."""
-    return f"{view.time_s:10.3f} s, {view.summary}"
+    lag = ""
+    if math.isfinite(view.age_s):
+        lag = f"lag {view.age_s * MS_PER_S:.1f} +- {view.age_bound_s * MS_PER_S:.1f} ms, "
+    return f"{view.time_s:10.3f} s, {lag}{view.summary}"
 
 
 def _views(robot: Connection, timeout_s: float) -> Iterator[View]:
@@ -124,7 +134,7 @@ def _show(
     last = None
     try:
         for view in views:
-            told, said = plain_from_view(view), sentence_from_view(view)
+            told, said = plain_from_view(view) | plain_age_of(view), sentence_from_view(view)
             if eye is not None:
                 if not eye.look(view, robot.mirror):
                     break

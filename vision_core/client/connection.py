@@ -1,14 +1,16 @@
 """A robot's session with a server."""
 
+import asyncio
 import contextlib
 import logging
 import socket
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
 from vision_core.arrival_stamps import stamp_arrivals
+from vision_core.client.clock_sync import ClockSync, ServerTime
 from vision_core.client.lag import LagReports, SockAddress, receive_stamped
 from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
@@ -32,6 +34,7 @@ from vision_core.protocol.messages import (
     See,
     ServerMessage,
     SessionFacts,
+    SyncReply,
     WarningReply,
 )
 from vision_core.protocol.options import HIGHEST_VERSION, PAPER_OPTIONS, Options, mirror_from_words
@@ -120,6 +123,7 @@ class Connection:
         stamp_arrivals(self._socket)
         self._heard_at = self._asked_at = self._arrived_at = self._mirror_due_at = clock.now()
         self._lag = LagReports(self._heard_at)
+        self._sync = ClockSync()
         self._time_us = -1
 
     def __enter__(self) -> Self:
@@ -134,6 +138,13 @@ class Connection:
         """Views as they arrive, without end. Raises ConnectionRefused when the server ends the session."""
         while True:
             view = self.receive(PATIENCE_S)
+            if view is not None:
+                yield view
+
+    async def __aiter__(self) -> AsyncIterator[View]:
+        """As iteration, for a program of asyncio: a thread waits for the views. Nothing else may read meanwhile."""
+        while True:
+            view = await asyncio.to_thread(self.receive, PATIENCE_S)
             if view is not None:
                 yield view
 
@@ -153,6 +164,11 @@ class Connection:
     def silent_s(self) -> float:
         """Time since the last datagram of the server."""
         return seconds_between(self._heard_at, self._clock.now())
+
+    def server_time(self) -> ServerTime:
+        """What the server's clock shows now. It becomes known, and stays exact, while views are read; a server of
+        version 1 does not tell it."""
+        return self._sync.server_time(self._clock.now())
 
     def open(self, timeout_s: float) -> None:
         """Send init until the server answers, and learn its mirror. Raises ConnectionRefused."""
@@ -180,7 +196,7 @@ class Connection:
         deadline = after(self._clock.now(), timeout_s)
         while True:
             self._ask_if_due()
-            message = self._next_message(min(deadline, after(self._clock.now(), self._patience_s())))
+            message = self._next_message(min(deadline, self._next_question()))
             if isinstance(message, See) and self._mirror is not None:
                 return self._view(message, self._mirror)
             if self._clock.now() >= deadline:
@@ -210,11 +226,15 @@ class Connection:
         report = self._lag.view_arrived(newest.time_us, self._arrived_at, self._clock.now())
         if report is not None:
             self._send(encode(report) + self._mirror_query(), self._server)
-        return view_from_see(newest, self.init.options, mirror)
+        time_s, bound_s = self.server_time()
+        view = view_from_see(newest, self.init.options, mirror)
+        return replace(view, age_s=time_s - view.time_s, age_bound_s=bound_s)
 
     def _ask_if_due(self) -> None:
-        """Keep the session alive, find a server that was restarted, and learn its mirror."""
+        """Keep the session alive, find a server that was restarted, and learn its mirror and its clock."""
         now = self._clock.now()
+        if (question := self._sync.question(now)) is not None:
+            self._send(encode(question), self._server)
         asked_s = seconds_between(self._asked_at, now)
         if min(self.silent_s, asked_s) >= SILENCE_S:
             self._ask(self._main if self.silent_s >= RESTART_S else self._server)
@@ -226,9 +246,10 @@ class Connection:
             self._asked_at = now
             self._send(encode(MirrorQuery()), self._server)
 
-    def _patience_s(self) -> float:
-        """How long to wait for a datagram before it may be time to ask again."""
-        return SILENCE_S if self._mirror is not None else RETRY_S
+    def _next_question(self) -> Instant:
+        """When it may be time to ask again, if nothing arrives before."""
+        patience = after(self._clock.now(), SILENCE_S if self._mirror is not None else RETRY_S)
+        return patience if self._sync.due is None else min(patience, self._sync.due)
 
     def _ask(self, server: SockAddress) -> None:
         """Send init; the same datagram asks for the mirror, unless one was given."""
@@ -297,7 +318,10 @@ class Connection:
                 self._send(encode(message), source)
             case Hear():
                 self._note_heard(message)
+            case SyncReply():
+                self._sync.answered(message, Instant(self._heard_at - age_ns), self._heard_at)
             case InitReply():
+                self._sync.begin(message.facts.boot if message.facts else None, self._heard_at)
                 self.mode, self.facts, self.sees = message.mode, message.facts, True
                 # the server may have been restarted: its Time begins anew, and its field may have another mirror
                 self._time_us = -1

@@ -33,6 +33,10 @@ class View:
     ball: Ball
     ball_mm: float
     """Distance of the ball on the floor [mm], inf when it is hidden."""
+    age_s: float = math.nan
+    """From the grab of the image until the view was given to the program; nan: the server's clock is not known."""
+    age_bound_s: float = math.inf
+    """The true age differs by at most so much."""
 
     def __repr__(self) -> str:
         """One line, not hundreds of edges."""
