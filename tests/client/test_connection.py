@@ -14,6 +14,7 @@ import pytest
 
 from tests.client.fake import ScriptedServer
 from tests.net.serving import Stadium, running
+from tests.protocol.samples import rules
 from vision_core.client import Options, connect
 from vision_core.client.connection import RESTART_S, SILENCE_S
 from vision_core.client.lag import REPORT_S, TO_REPORTS
@@ -448,7 +449,7 @@ def test_a_restarted_server_is_found_again() -> None:
     with running(stadium):
         robot = connect(HOST, stadium.port, "blue", 3)
         assert robot.receive(1.0) is not None
-    stadium.restart()
+    stadium.restart(rules(boot=stadium.clock.now()))
     with robot, running(stadium):
         robot.latest()
         robot._heard_at = robot._asked_at = Instant(robot._heard_at - round(RESTART_S * 1e9))

@@ -5,7 +5,7 @@ import select
 import socket
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from tests.protocol.samples import CODES, rules, simple_view
 from vision_core.clock import Instant, MonotonicClock
@@ -15,6 +15,7 @@ from vision_core.net.server import UdpServer
 from vision_core.net.udp import SendResult, open_server_sockets
 from vision_core.protocol.events import Event
 from vision_core.protocol.lifecycle import Session
+from vision_core.protocol.rules import SessionRules
 from vision_core.protocol.see import reference_see
 from vision_core.protocol.session import Sessions
 from vision_core.types.views import BallView
@@ -68,10 +69,10 @@ class Stadium:
     def restore(self, snapshot: bytes) -> None:
         self.server = UdpServer.restore(self.main, self.session, self.rules, snapshot, self.clock, seed=1)
 
-    def restart(self) -> None:
-        """A server without sessions, of another boot; not while it runs."""
+    def restart(self, rules: SessionRules) -> None:
+        """A server without sessions; not while it runs."""
         self.server.close()
-        self.rules = replace(self.rules, boot=self.clock.now())
+        self.rules = rules
         self.start(Sessions(self.rules))
 
     def close(self) -> None:
