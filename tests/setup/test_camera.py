@@ -49,6 +49,7 @@ def test_lines_give_a_lens_and_the_venue_its_settings() -> None:
     assert "beginning with a search of the whole picture" in trial.camera.how
     assert min(trial.camera.reference_bgr) > 10.0
     assert painted_share(trial.lines) > 0.8
+    assert not trial.is_height_unknown
     settings = settings_of(taken(draft, trial))
     assert settings.camera.pinhole == trial.camera.pinhole
 
@@ -67,8 +68,10 @@ def test_corners_alone_give_named_points_and_say_what_is_not_known() -> None:
     assert trial.camera.homography is not None
     assert any("only the overlay shows" in note for note in trial.notes)
     assert any("height of the camera is not known" in note for note in trial.notes)
+    assert trial.is_height_unknown
     typed = find_camera(draft, [picture.pixels], CameraWish("walls", corners, height_m=3.75), no_progress)
     assert typed.height_m == 3.75
+    assert not typed.is_height_unknown
     assert typed.camera is not None
     assert typed.camera.homography is not None
     assert typed.camera.homography.position_m[2] == 3.75

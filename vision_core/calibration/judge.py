@@ -44,8 +44,6 @@ KNOWN = 0.5
 """A measure of the field was found when its deviation is less than this share of the one before."""
 CENTER_SIGMAS = 4.0
 """A principal point or focal length that is pulled farther from its prior than so many deviations is none."""
-MAX_HEIGHT_DEVIATION = 0.04
-"""Share of the height from which on a note says that it is not known."""
 GRID = 13
 
 
@@ -228,7 +226,7 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
         yield Reason(text, "Check the field's measures.")
     if result.floor_error_m > _most_m(scene):
         advice = "Show more of the lines."
-        if _is_height_unknown(result):
+        if result.is_height_unknown:
             advice = "Measure the camera's height with a tape and give it, or show more of the lines."
         yield Reason(f"places on the floor would be {result.floor_error_m * 1e3:.0f} mm off", advice)
     yield from _lens_refusals(scene, lens, preset)
@@ -237,11 +235,6 @@ def _refusals(scene: Scene, result: Calibration, measured: Measured | None, lens
 def _most_m(scene: Scene) -> float:
     """How far off places on the floor may be [m]."""
     return max(MAX_FLOOR_ERROR_M, MAX_FLOOR_ERROR * scene.field.length_m)
-
-
-def _is_height_unknown(result: Calibration) -> bool:
-    """Do neither the lines nor a tape measure tell how high the camera is?"""
-    return result.height_deviation_m > MAX_HEIGHT_DEVIATION * result.camera.position_m[2]
 
 
 def _lens_refusals(scene: Scene, lens: Lens, preset: str) -> Iterator[Reason]:
@@ -264,7 +257,7 @@ def _lens_refusals(scene: Scene, lens: Lens, preset: str) -> Iterator[Reason]:
 
 def _notes(result: Calibration) -> Iterator[str]:
     height_m = result.camera.position_m[2]
-    if _is_height_unknown(result):
+    if result.is_height_unknown:
         yield (
             f"lines on the floor do not say how high the camera is ({height_m:.2f} m +- {result.height_deviation_m:.2f}"
             f" m): robots may be up to {result.marker_error_m * 1e3:.0f} mm off; measure it with a tape"

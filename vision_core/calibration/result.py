@@ -13,6 +13,9 @@ Progress: TypeAlias = Callable[[str, float], None]
 Vector: TypeAlias = tuple[float, float, float, float]
 """x, y and the step x, y to where the paint is [px]."""
 
+MAX_HEIGHT_DEVIATION = 0.04
+"""Share of the height from which on it is not known."""
+
 
 def no_progress(_what: str, _share: float) -> None:
     """For callers that show none."""
@@ -86,6 +89,11 @@ class Calibration:
 
     pictures: tuple[PictureResult, ...] = ()
     """Empty where no camera was found."""
+
+    @property
+    def is_height_unknown(self) -> bool:
+        """Do neither the lines nor a tape measure tell how high the camera is?"""
+        return self.height_deviation_m > MAX_HEIGHT_DEVIATION * self.camera.position_m[2]
 
     @property
     def accepted(self) -> bool:

@@ -80,8 +80,9 @@ def trial_of(
         camera = DraftCamera("pinhole", result.size_px, how, reference, floor, pinhole=result.camera)
     height_m = result.camera.position_m[2]
     return CameraTrial(
-        camera, result.measures_m, result.reasons, result.notes, result.lines, height_m, calibration=result
-    )
+        camera, result.measures_m, result.reasons, result.notes, result.lines, height_m, result.is_height_unknown,
+        calibration=result,
+    )  # fmt: skip
 
 
 def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWish) -> CameraTrial:
@@ -96,6 +97,7 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
     places = _corners_m(field)
     start = start_from_points(corners, places, size, height_m=wish.height_m)
     x_m, y_m, found_m = (round(float(value), 3) for value in start.lens.position_m)
+    is_unknown = wish.height_m is None
     height_m = found_m if wish.height_m is None else wish.height_m
     points = tuple(
         NamedPoint(name=name, pixel_px=(x, y), field_m=(u, v))
@@ -107,14 +109,14 @@ def from_walls(draft: Draft, pixels: Bytes, field: FieldSettings, wish: CameraWi
         setup = CameraSetup.from_settings(_settings_with(draft, camera))
     except PslvError as error:
         reason = Reason(f"{error.asked.rpartition(': ')[2]}: {error.found}", f"Accepted: {error.accepted}.")
-        return CameraTrial(None, {}, (reason,), (), (), height_m, calibration=None)
+        return CameraTrial(None, {}, (reason,), (), (), height_m, is_unknown, calibration=None)
     notes = _wall_notes(draft, field, setup.model, wish.height_m)
     how = " ".join(["Named points: the four corners of the field, as somebody dragged them.", *notes])
     reference = _reference(pixels, setup.model, field)
     camera = msgspec.structs.replace(camera, how=how, reference_bgr=reference, floor=floor_colors(pixels))
     if field.line_width_m > 0.0:
         notes += tuple(f"{reason.text}." for reason in calibration_reasons(pixels, field, setup))
-    return CameraTrial(camera, {}, (), notes, _drawn(field, setup.model), height_m, calibration=None)
+    return CameraTrial(camera, {}, (), notes, _drawn(field, setup.model), height_m, is_unknown, calibration=None)
 
 
 def _start(wish: CameraWish, field: FieldSettings, size_px: tuple[int, int]) -> Start | None:

@@ -34,6 +34,8 @@ class CameraTrial(Struct, frozen=True):
     lines: tuple[LineResult, ...]
     """Painted lines and, of walls, their feet, where the camera puts them."""
     height_m: float
+    is_height_unknown: bool
+    """Neither the lines nor a tape measure tell it."""
     calibration: Calibration | None
     """Of painted lines; None: from corners alone."""
 

@@ -78,6 +78,8 @@ class CameraTrialReport(Report):
     marker_error_mm: float | None
     coverage: float | None
     height_m: float | None
+    is_height_unknown: bool
+    """Neither the lines nor a tape measure tell it."""
     measures_m: dict[str, float]
     """Measures of the field that were solved with it."""
 
@@ -365,6 +367,7 @@ def _camera(desk: Desk, draft: Draft) -> CameraTrialReport | None:
         lines=_lines(trial),
         painted=painted_share(trial.lines),
         height_m=_finite(trial.height_m),
+        is_height_unknown=trial.is_height_unknown,
         measures_m=trial.measures_m,
         **_figures(trial),
     )

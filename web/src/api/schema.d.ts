@@ -2332,6 +2332,11 @@ export interface components {
              * @description It is for the pictures and the field of the draft as it is now.
              */
             is_current: boolean;
+            /**
+             * Is Height Unknown
+             * @description Neither the lines nor a tape measure tell it.
+             */
+            is_height_unknown: boolean;
             /** Is Taken */
             is_taken: boolean;
             /** Lines */
