@@ -119,7 +119,9 @@ def test_a_venue_from_pictures_to_its_file(
 
     go_on(page, "Try it")
     page.get_by_role("button", name="Look for robots and ball").click()
-    expect(page.get_by_text(re.compile(rf"robots, {len(shown.ids())} with an id.* in 1 picture"))).to_be_visible(timeout=SLOW_MS)
+    expect(page.get_by_text(re.compile(rf"robots, {len(shown.ids())} with an id.* in 1 picture"))).to_be_visible(
+        timeout=SLOW_MS
+    )
     assert faults(page) == []
     go_on(page, "Save")
     page.get_by_label("Name").fill("demo-lab")
