@@ -33,10 +33,12 @@ class ScriptedServer:
         self._socket.close()
 
     def _run(self) -> None:
-        while not self._stop.is_set():
+        while True:
             try:
                 data, client = self._socket.recvfrom(2048)
             except TimeoutError:
+                if self._stop.is_set():  # what was sent before the end is heard
+                    return
                 continue
             self.heard.append(data)
             for reply in self._answer(data):

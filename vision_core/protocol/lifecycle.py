@@ -177,7 +177,7 @@ class Session:
         return seconds_between(last, now) <= UNREACHABLE_GAP_S and seconds_between(first, last) >= FORSAKEN_S
 
     def to_plain(self) -> dict[str, Any]:
-        """Everything that a restarted server needs, as JSON types. Rate limits begin anew there."""
+        """Everything that a restarted server needs, as JSON types. Rate limits and claims begin anew there."""
         return {
             "init": encode(self.init).decode("ascii"),
             "unknown_options": self.init.unknown_options,
