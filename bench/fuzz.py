@@ -96,6 +96,7 @@ class Target:
         peer, port = self._random.choice(PEERS), self._random.choice((Port.MAIN, Port.SESSION))
         self._clock.advance(STEP_S)
         datagram = datagram.replace(COOKIE, self._cookies.get(peer, COOKIE))
+        is_stranger = peer is STRANGER and not any(session.peer == peer for session in self._sessions)
         began = time.thread_time_ns()
         events = self._sessions.receive(datagram, peer, Endpoint(port, "127.0.0.1"), self._clock.now())
         self.found.slowest_ns = max(self.found.slowest_ns, time.thread_time_ns() - began)
@@ -105,10 +106,9 @@ class Target:
             if reply.data.startswith(CHALLENGE):
                 self._cookies[peer] = reply.data[len(CHALLENGE) :].rstrip(b")\0")
         self.found.opened_2 += sum(isinstance(one, SessionOpened) and one.session.version > 1 for one in events)
-        if peer is STRANGER and not any(isinstance(event, SessionOpened) for event in events):
-            own = [session for session in self._sessions if session.peer == peer]
-            self.found.too_many += not own and len(replies) > 1
-            self.found.too_long += not own and any(len(one.data) > AMPLIFICATION * len(datagram) for one in replies)
+        if is_stranger and not any(isinstance(event, SessionOpened) for event in events):
+            self.found.too_many += len(replies) > 1
+            self.found.too_long += any(len(one.data) > AMPLIFICATION * len(datagram) for one in replies)
         self._live_on()
 
     def _live_on(self) -> None:
@@ -119,9 +119,10 @@ class Target:
         if self._random.random() < 0.02:
             self._sessions.expire(now)
         if self.found.datagrams % SNAPSHOT_EVERY == 0:
-            self._restart(sessions)
+            self._restart()
 
-    def _restart(self, sessions: list[Session]) -> None:
+    def _restart(self) -> None:
+        sessions = list(self._sessions)
         restored = Sessions.restore(self._rules, self._sessions.snapshot())
         names = {field.name for field in fields(Session)} - {"limiter", "claim", "unreachable"}
         pairs = zip(sessions, restored, strict=True)
