@@ -158,7 +158,7 @@ class UdpServer:
         ready.sort(key=lambda one: isinstance(one[0], SharedSocket))  # clients before strangers
         for source, descriptor in ready:
             for _ in range(min(left, MAX_PER_SOCKET)):
-                if source is None or self._sources.get(descriptor) is not source or self._is_deaf_to(source):
+                if source is None or self._sources.get(descriptor) is not source or not self._hears(source):
                     break
                 events = self._receive_from(source)
                 if events is None:
@@ -167,20 +167,25 @@ class UdpServer:
                 happened += self.apply_events(events)
         return happened
 
-    def _is_deaf_to(self, source: SharedSocket | Session) -> bool:
-        """Is the budget for strangers used up? Then the shared sockets wake nobody until the next frame."""
-        if isinstance(source, Session) or self._strangers_ns < self._budget_ns:
-            return False
-        for shared in self._shared.values():
-            self._poll.modify(shared.fileno(), 0)
-        return True
+    def _hears(self, source: SharedSocket | Session) -> bool:
+        """Is a source to be read now? The shared sockets have a budget."""
+        return isinstance(source, Session) or self._strangers_ns < self._budget_ns
+
+    def _charge_strangers(self, spent_ns: int) -> None:
+        """Take processor time from the shared sockets' budget. Used up: they wake nobody until the next frame."""
+        before, self._strangers_ns = self._strangers_ns, self._strangers_ns + spent_ns
+        if before < self._budget_ns <= self._strangers_ns:
+            self._wake_for_strangers(0)
 
     def _listen_to_strangers(self) -> None:
         """Give the shared sockets a new budget."""
         if self._strangers_ns >= self._budget_ns:
-            for shared in self._shared.values():
-                self._poll.modify(shared.fileno(), select.EPOLLIN)
+            self._wake_for_strangers(select.EPOLLIN)
         self._strangers_ns = 0
+
+    def _wake_for_strangers(self, events: int) -> None:
+        for shared in self._shared.values():
+            self._poll.modify(shared.fileno(), events)
 
     def expire(self) -> list[Event]:
         """End silent sessions; to be called once a second or so."""
@@ -264,7 +269,7 @@ class UdpServer:
         port = Port.MAIN if source is self._shared[Port.MAIN] else Port.SESSION
         began = time.thread_time_ns()
         events = self._receive(source, port, None, now)
-        self._strangers_ns += time.thread_time_ns() - began
+        self._charge_strangers(time.thread_time_ns() - began)
         return events
 
     def _receive(
