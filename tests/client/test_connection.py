@@ -8,6 +8,7 @@ import math
 import socket
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -237,6 +238,25 @@ def test_a_program_of_asyncio(stadium: Stadium) -> None:
     with connect(HOST, stadium.port, "blue", 3) as robot:
         found = asyncio.run(times())
     assert found == sorted(set(found))
+
+
+def test_directions_are_those_that_a_match_grants() -> None:
+    """Whatever was asked for, also when the match begins while the client is connected."""
+    stadium = Stadium()
+    asked = Options(fov_deg=90.0, center_deg=0.0, resolution_deg=1.0)
+    with running(stadium):
+        robot = connect(HOST, stadium.port, "blue", 3, options=asked)
+        view = robot.receive(2.0)
+        assert view is not None
+        assert (len(view.px), view.directions_deg[0]) == (90, 315.0)
+    fixed = Options(fov_deg=180.0, center_deg=90.0, resolution_deg=2.0)
+    stadium.server.apply(replace(stadium.rules, fixed=fixed), "play_on", stadium.clock.now())
+    with robot, running(stadium):
+        wait_until(lambda: robot.receive(2.0) is not None and robot.options.fov_deg == 180.0)
+        view = robot.receive(2.0)
+        assert view is not None
+        assert (len(view.px), view.directions_deg[0], view.directions_deg[1]) == (90, 0.0, 2.0)
+    stadium.close()
 
 
 def test_what_the_referee_says_is_noted() -> None:

@@ -199,6 +199,11 @@ def test_a_match_gives_all_robots_the_same_view() -> None:
     fixed = Options(types="team", fov_deg=180.0, center_deg=0.0, resolution_deg=2.0, rate_hz=30)
     told = replies(server.apply(replace(server.sessions.rules, fixed=fixed)))
     assert told[0] == b"(warning fixed_by_match)"
+    granted = decode_message(told[1])
+    assert isinstance(granted, InitReply)
+    assert granted.facts is not None
+    assert (granted.facts.types, granted.facts.fov_deg, granted.facts.resolution_deg) == ("team", 180.0, 2.0)
+    assert not any(datagram.startswith(b"(init yellow") for datagram in told)  # version 1 hears the paper only
     assert {replace(session.options, time="ms", version=1) for session in server.sessions} == {fixed}
     assert server.answers(b"(set (types same))", CLIENT, SESSION) == [b"(ok set)", b"(warning fixed_by_match)"]
     server.apply(replace(server.sessions.rules, fixed=None))

@@ -110,6 +110,8 @@ class Connection:
         """False while the server says that its camera delivers nothing: ``(hear Time referee vision_lost)``."""
         self.facts: SessionFacts | None = None
         """What the server has told of the session; None: its version is 1."""
+        self.options = init.options
+        """As the server grants them: a match gives all robots the same types, field of view and resolution."""
         self.last_error = ""
         """Error in the server's last message, as "not_ready"; empty when it was no error."""
         self._given_mirror = init.options.mirror or mirror
@@ -227,7 +229,7 @@ class Connection:
         if report is not None:
             self._send(encode(report) + self._mirror_query(), self._server)
         time_s, bound_s = self.server_time()
-        view = view_from_see(newest, self.init.options, mirror)
+        view = view_from_see(newest, self.options, mirror)
         return replace(view, age_s=time_s - view.time_s, age_bound_s=bound_s)
 
     def _ask_if_due(self) -> None:
@@ -323,6 +325,7 @@ class Connection:
             case InitReply():
                 self._sync.begin(message.facts.boot if message.facts else None, self._heard_at)
                 self.mode, self.facts, self.sees = message.mode, message.facts, True
+                self.options = _granted(self.init.options, message.facts)
                 # the server may have been restarted: its Time begins anew, and its field may have another mirror
                 self._time_us = -1
                 self._mirror = self._given_mirror or (message.facts.mirror if message.facts else None)
@@ -365,6 +368,19 @@ class Connection:
             return receive_stamped(self._socket, MAX_ANSWER + 1)
         except OSError:  # a timeout; on some systems also the report that a port is closed
             return None
+
+
+def _granted(asked: Options, facts: SessionFacts | None) -> Options:
+    """The options that views are decoded with; a server of version 1 grants what it is asked for."""
+    if facts is None:
+        return asked
+    return replace(
+        asked,
+        types=facts.types,
+        fov_deg=facts.fov_deg,
+        center_deg=facts.center_deg,
+        resolution_deg=facts.resolution_deg,
+    )
 
 
 def _resolved(name: str, host: str, port: int) -> tuple[int, SockAddress]:

@@ -159,7 +159,7 @@ class Sessions:
         self._door.rules, self.mode = rules, mode
         events: list[Event] = []
         for session in self:
-            mirror, was_fixed = before.mirror_of(session), before.fixes(session)
+            mirror, was_fixed, granted = before.mirror_of(session), before.fixes(session), session.options
             session.options = rules.granted(session.init.options)
             session.has_key &= rules.keys.get(session.team) == before.keys.get(session.team)
             if not self._door.admits(session.init, session.peer, has_key=session.has_key):
@@ -170,6 +170,8 @@ class Sessions:
                 continue
             if rules.fixes(session) and not was_fixed:
                 events.append(reply_to(session, WarningReply(FIXED_BY_MATCH)))
+            if session.version > 1 and session.options != granted:
+                events.append(self._granted(session, now))
             if session.version > 1 and (after := rules.mirror_of(session)) != mirror:
                 events.append(self._hear(session, now, "mirror", encode_mirror(after)))
         return events + (self.tell(mode, now) if mode != mode_before else [])
@@ -412,10 +414,13 @@ class Sessions:
 
     def _answers(self, session: Session, now: Instant) -> list[Reply]:
         """The answer to an init."""
+        warnings = self._warnings(session, unknown=session.init.unknown_options)
+        return [self._granted(session, now), *(reply_to(session, warning) for warning in warnings)]
+
+    def _granted(self, session: Session, now: Instant) -> Reply:
+        """What a session has; in version 2 also what its views are like."""
         facts = self.rules.facts_of(session, now) if session.version > 1 else None
-        answers: list[Answer] = [InitReply(session.team, session.number, self.mode, facts)]
-        answers += self._warnings(session, unknown=session.init.unknown_options)
-        return [reply_to(session, message) for message in answers]
+        return reply_to(session, InitReply(session.team, session.number, self.mode, facts))
 
     def _warnings(self, session: Session, *, unknown: bool) -> list[Answer]:
         names = [UNKNOWN_OPTION] * unknown + [FIXED_BY_MATCH] * self.rules.fixes(session)
