@@ -29,7 +29,7 @@ def scope_from(text: str) -> "tuple[Team | None, int | None]":
         return None, None
     if team not in list(Team) or (colon and not (number.isdecimal() and 1 <= int(number) <= MAX_NUMBERS)):
         accepted = f"{FIELD}, blue, yellow, or a robot's team and number, blue:1 to yellow:{MAX_NUMBERS}"
-        raise SettingsError("--for", found=text, accepted=accepted)
+        raise SettingsError("--for", found=text or "nothing", accepted=accepted)
     return Team(team), int(number) if colon else None
 
 

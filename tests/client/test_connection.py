@@ -187,6 +187,13 @@ def test_the_cookie_of_a_challenge_is_returned_with_the_key() -> None:
     ]
 
 
+@pytest.mark.parametrize("key", ["two words", "a)(bye", "k" * 129, "Schlüssel"])
+def test_what_is_no_key_is_named_and_not_shown(key: str) -> None:
+    with pytest.raises(ConnectionRefused, match="the team's key; found: .* characters") as refused:
+        connect(HOST, 1, "blue", 3, key=key)
+    assert key not in str(refused.value)
+
+
 def test_a_server_of_version_2_tells_the_mirror_with_its_answer(stadium: Stadium) -> None:
     with connect(HOST, stadium.port, "blue", 3, options=Options(extras=("seq", "flags"))) as robot:
         assert robot.facts is not None

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import logging
+import re
 import socket
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import replace
@@ -38,7 +39,7 @@ from vision_core.protocol.messages import (
     WarningReply,
 )
 from vision_core.protocol.options import HIGHEST_VERSION, PAPER_OPTIONS, Options, mirror_from_words
-from vision_core.protocol.proofs import Proof
+from vision_core.protocol.proofs import MAX_KEY, Proof
 from vision_core.types.objects import Team
 
 RETRY_S = 0.5
@@ -54,6 +55,7 @@ MIRROR_TIMEOUT_S = 5.0
 PATIENCE_S = 1.0
 MAX_AT_ONCE = 1000
 """Datagrams read by one call: more than a socket's buffer holds."""
+KEY_FORM = re.compile(rf"[A-Za-z0-9_-]{{1,{MAX_KEY}}}")
 NO_MIRROR = (
     "mirror=Mirror(A, B, C) with the constants of the server's field preset (config/fields/*.toml),"
     " or options=Options(mirror=...) to ask for a mirror of your own"
@@ -86,8 +88,11 @@ def connect(
     logger "vision_core.client" says so once.
 
     Raises ConnectionRefused when the server refuses, with its reason, or does not answer in time, or does not tell its
-    mirror; ValueError for an unknown team.
+    mirror, or the key is none; ValueError for an unknown team.
     """
+    if key and not KEY_FORM.fullmatch(key):
+        accepted = f"1 to {MAX_KEY} letters, digits, - and _, as the referee's page shows it"
+        raise ConnectionRefused("the team's key", found=f"a text of {len(key)} characters", accepted=accepted)
     asked = replace(options, version=HIGHEST_VERSION)
     init = Init(Team(team), number, asked, proof=Proof(key=key))
     connection = Connection(host, port, init, mirror, clock or MonotonicClock())
