@@ -143,7 +143,7 @@ public final class PslvClient implements AutoCloseable {
         if (!head.lookingAt()) return null;
         String name = head.group(1);
         String word = head.group(2);
-        if (name.equals("error")) {
+        if (name.equals("error") && !word.isEmpty()) {
             takeError(word);
             return null;
         }

@@ -270,8 +270,8 @@ static void print_raw(const pslv_view *view) {
     printf("%.3f ", view->time_s);
     for (int i = 0; i < view->edges; i++) printf("%c%02x", view->letter[i], (unsigned)view->px[i] & NOTHING_PX);
     printf(" %d %d %d", view->ball_px, view->ball_deg, view->ball_size);
-    printf(view->edges > 0 && view->px[0] >= 0 ? " %.1f" : " -", view->mm[0]);
-    printf(view->ball_px >= 0 ? " %.1f\n" : " -\n", view->ball_mm);
+    printf(view->edges > 0 && isfinite(view->mm[0]) ? " %.1f" : " -", view->mm[0]);
+    printf(isfinite(view->ball_mm) ? " %.1f\n" : " -\n", view->ball_mm);
 }
 
 int main(int count, char **words) {

@@ -143,7 +143,7 @@ export class PslvClient {
     if (from.address !== this.host || this.ended) return;
     const text = datagram.toString("latin1").replace(/[\0\s]+$/, "");
     const [, name = "", word = ""] = /^\((\w+) ?([^ ()]*)/.exec(text) ?? [];
-    if (name === "error") {
+    if (name === "error" && word) {
       this.takeError(word);
       return;
     }

@@ -15,6 +15,7 @@ import pytest
 from tests.client.fake import ScriptedServer
 from tests.net.serving import BALL, Stadium, running
 from tests.protocol.samples import CODES
+from tests.protocol.vectors import datagram_of, vectors
 from vision_core.client.view import view_from_see
 from vision_core.clock import Instant
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
@@ -227,6 +228,17 @@ def test_key_and_cookie_are_sent_pings_are_answered_and_garbage_is_passed_over(s
     assert init.startswith(b"(init blue 3 (version 2)")
     assert b"(key Secret) (cookie %s)" % COOKIE in proven
     assert rest == [b"(ping 7)", b"(bye)"]
+
+
+def test_the_test_vectors_mean_the_same(start: Start) -> None:
+    """Each view, after everything that a client skips."""
+    of_servers = vectors("server_to_client")
+    skipped = [datagram_of(vector) for vector in of_servers if vector["message"] is None]
+    views = [datagram_of(vector) for vector in of_servers if (vector["message"] or {}).get("form") == "see"]
+    assert skipped
+    for view in views:
+        status, lines, complaints, _ = scripted(start, [GRANTED_2, *skipped, view])
+        assert (status, lines, complaints) == (0, [python_line(view)], "")
 
 
 def test_a_server_of_version_1_is_asked_for_its_mirror(start: Start) -> None:
