@@ -7,6 +7,9 @@ from types import FrameType
 
 NEEDED = ("msgspec", "numba", "cv2", "fastapi", "uvicorn", "typer", "rich", "platformdirs", "prometheus_client")
 
+EXAMINATIONS = ("check", "conformance", "check-client")
+"""Commands that need NumPy only, as ``client``."""
+
 
 def main() -> None:
     """Run the command line, or name the extra that it needs."""
@@ -18,10 +21,14 @@ def main() -> None:
         from vision_core.client.__main__ import main as client
 
         sys.exit(client(sys.argv[2:]))
+    if missing and sys.argv[1:2] and sys.argv[1] in EXAMINATIONS:
+        from vision_core.examination.__main__ import main as examine
+
+        sys.exit(examine(sys.argv[1:]))
     if missing:
         print(
             f"pslv: this command needs the server extra ({', '.join(missing)} not found): "
-            "pip install 'pslv[server]'; the client alone works without it: pslv client --help",
+            "pip install 'pslv[server]'; without it work: pslv client, check, check-client, conformance",
             file=sys.stderr,
         )
         sys.exit(2)

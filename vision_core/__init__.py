@@ -8,6 +8,7 @@ Top to bottom; who stands lower imports nobody above (held by the contracts in p
     setup/        a new venue from pictures, step by step
     fidelity/     how true the views are: against the on-board picture of the same world
     onboard/      what a robot's own camera would show, ray by ray
+    examination/  for teams: a server, a client and the way between them, against docs/protocol.md; numpy alone
     evaluation/   how good recognition is on files: stills, overlay, score
     client/       for teams: connect, views, panorama, camera, recognition; numpy alone
     tasks/        table.py is read first, then one file per task

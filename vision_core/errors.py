@@ -53,6 +53,11 @@ class ServiceError(PslvError):
 class ConnectionRefused(PslvError):
     """The server refused a client's ``init``, or did not answer."""
 
+    def __init__(self, asked: str, *, found: str = "", accepted: str = "", code: str = "") -> None:
+        """code: the error's name on the wire; empty: there was no answer, or no error."""
+        super().__init__(asked, found=found, accepted=accepted)
+        self.code = code
+
 
 def cut(text: str, length: int = MAX_QUOTED) -> str:
     """A text of at most so many characters: its middle is left out when it is longer."""

@@ -311,7 +311,7 @@ class Connection:
         if error == ErrorCode.UNKNOWN_COMMAND and self._mirror is None:
             raise self._mirror_unknown()
         meaning = MEANINGS.get(error, "see the server's documentation")
-        raise ConnectionRefused(self._name, found=f"error {error}: {meaning}")
+        raise ConnectionRefused(self._name, found=f"error {error}: {meaning}", code=error)
 
     def _note(self, message: ServerMessage, source: SockAddress, age_ns: int) -> None:
         self._server, self._heard_at, self.last_error = source, self._clock.now(), ""
@@ -359,6 +359,7 @@ class Connection:
                 self._name,
                 found=f"error {self.last_error} for {timeout_s:g} s: {MEANINGS[self.last_error]}",
                 accepted="an answer to init; a longer timeout",
+                code=self.last_error,
             )
         return ConnectionRefused(
             self._name,

@@ -1,0 +1,16 @@
+"""``pslv check``, ``conformance`` and ``check-client``: the commands of ``vision_core.examination`` under this roof."""
+
+import sys
+
+import typer
+
+
+def check(context: typer.Context) -> None:
+    """Before a match: does this computer get its robot's views, how many, how late? (`pslv check --help`)"""
+    _examine("check", context)
+
+
+def _examine(command: str, context: typer.Context) -> None:
+    from vision_core.examination.__main__ import main
+
+    sys.exit(main([command, *context.args]))

@@ -1,0 +1,93 @@
+"""``python -m vision_core.examination``: the commands check, conformance and check-client."""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeAlias, TypeVar
+
+from vision_core.clock import MonotonicClock
+from vision_core.errors import PslvError
+from vision_core.examination.before_match import Asked, check_server
+from vision_core.examination.findings import Finding, Grade, print_finding, worst
+from vision_core.protocol.messages import MAX_NUMBER
+from vision_core.types.objects import Team
+
+MAX_SECONDS = 3600.0
+EXIT_CODES = "Exit code 0: all is good; 1: something is doubtful; 2: something does not work."
+Number = TypeVar("Number", int, float)
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns its exit code: the worst grade, 2 also for a command that cannot be carried out."""
+    asked = _parser().parse_args(arguments)
+    try:
+        return int(asked.run(asked))
+    except PslvError as error:
+        print(f"pslv {asked.command}: {error}", file=sys.stderr)
+        return int(Grade.BAD)
+    except KeyboardInterrupt:
+        return int(Grade.DOUBTFUL)
+
+
+def _check(asked: argparse.Namespace) -> Grade:
+    robot = Asked(asked.host, asked.port, Team(asked.team), asked.number, asked.key)
+    return _printed(check_server(robot, MonotonicClock(), seconds=asked.seconds), as_json=asked.json)
+
+
+def _printed(findings: Iterable[Finding], *, as_json: bool) -> Grade:
+    """Print findings as they come; the worst grade."""
+    found = []
+    for finding in findings:
+        found.append(finding)
+        print_finding(finding, sys.stdout, as_json=as_json)
+    return worst(found)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="pslv", description="Examine a server, a client, or the way between them.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    _add_check(_command(commands, "check", "Connect as a robot, watch its views, and say how ready this computer is."))
+    return parser
+
+
+def _command(commands: Commands, name: str, description: str) -> argparse.ArgumentParser:
+    return commands.add_parser(name, help=description, description=description, epilog=EXIT_CODES)
+
+
+def _add_check(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(run=_check)
+    _add_server(parser)
+    parser.add_argument("--team", choices=[team.value for team in Team], default="blue", help="[%(default)s]")
+    number_help = f"of the robot, 1..{MAX_NUMBER} [%(default)s]"
+    parser.add_argument("--number", type=within(int, 1, MAX_NUMBER), default=1, help=number_help)
+    key_help = (
+        "the team's key, from the referee; others on this computer can read arguments, but not PSLV_KEY [PSLV_KEY]"
+    )
+    parser.add_argument("--key", default=os.environ.get("PSLV_KEY") or "", help=key_help)
+    seconds_help = "for how long views are watched [%(default)g]"
+    parser.add_argument("--seconds", type=within(float, 0.1, MAX_SECONDS), default=10.0, help=seconds_help)
+
+
+def _add_server(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("host", nargs="?", default="127.0.0.1", help="name or address of the server [%(default)s]")
+    port = os.environ.get("PSLV_UDP_PORT") or "6000"
+    parser.add_argument("--port", type=within(int, 1, 65535), default=port, help="UDP port of the server [%(default)s]")
+    parser.add_argument("--json", action="store_true", help="one line of JSON per finding")
+
+
+def within(kind: Callable[[str], Number], least: float, most: float) -> Callable[[str], Number]:
+    """A parser of numbers within limits."""
+
+    def parsed(text: str) -> Number:
+        value = kind(text)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{text} is not within {least:g}..{most:g}")
+        return value
+
+    return parsed
+
+
+if __name__ == "__main__":
+    sys.exit(main())
