@@ -28,13 +28,15 @@ from vision_core.capture.source import open_source
 from vision_core.clock import NS_PER_S, US_PER_S, Instant, ManualClock, MonotonicClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.net.delivery import DeliveryTable, new_rows
+from vision_core.net.delivery import DeliveryTable
+from vision_core.net.delivery_rows import new_rows
 from vision_core.net.udp import SharedSocket
 from vision_core.pipeline.perception import Perception
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.settings.schema import Settings
 from vision_core.tracks.tracker import Tracker
+from vision_core.types.fairness import robot_index
 from vision_core.types.image import ImageFrame
 from vision_core.types.objects import Team
 
@@ -90,8 +92,8 @@ class Loop:
             stack.callback(session.close)
         self._deliveries = DeliveryTable(Instant(0), seed=1)
         self._deliveries.replace(new_rows(len(sessions)))
-        for row, session in enumerate(sessions):
-            self._deliveries.address(row, session.fileno(), PAPER_OPTIONS)
+        for row, (client, session) in enumerate(zip(self._clients, sessions, strict=True)):
+            self._deliveries.address(row, robot_index(client.team, client.number), session.fileno(), PAPER_OPTIONS)
         self._number = 0
 
     def turn(self, frame: int) -> tuple[float, ...]:

@@ -17,8 +17,10 @@ import numpy as np
 from bench.baselines.build import load_library
 from bench.runner import Row
 from vision_core.clock import US_PER_S, Instant
-from vision_core.net.delivery import Batch, DeliveryTable, new_rows
+from vision_core.net.delivery import Batch, DeliveryTable
+from vision_core.net.delivery_rows import new_rows
 from vision_core.net.udp import SharedSocket
+from vision_core.types.fairness import MAX_ROBOTS
 
 CLIENTS = (22, 200)
 ROUNDS = 400
@@ -52,6 +54,7 @@ def _measure(count: int, stack: contextlib.ExitStack) -> list[Row]:
     table = DeliveryTable(Instant(0), seed=1)
     table.replace(new_rows(count))
     table.rows["descriptor"] = [session.fileno() for session in sessions]
+    table.rows["robot"] = np.arange(count) % MAX_ROBOTS
     methods: dict[str, Callable[[], object]] = {"compiled": lambda: table.send(Instant(1), batch)}
     c_loop, message = _c_loop(table, batch)
     if c_loop is not None:

@@ -7,9 +7,9 @@ from typing import Any
 
 from vision_core.rtdb.process_state import RestartState
 
-CARRIED = ("sessions", "selftest", "log")
-"""Records whose values the service goes on with after a restart: its clients, how well the machine keeps time, and what
-was printed."""
+CARRIED = ("sessions", "fairness", "fairness_ended", "selftest", "log")
+"""Records whose values the service goes on with after a restart: its clients and how fairly they were served, how well
+the machine keeps time, and what was printed."""
 MAX_DETAIL = 400
 
 

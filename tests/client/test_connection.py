@@ -22,7 +22,7 @@ from vision_core.client.lag import REPORT_S, TO_REPORTS
 from vision_core.clock import Instant, ManualClock, seconds_between
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
-from vision_core.net.delivery import UNKNOWN
+from vision_core.net.delivery_rows import UNKNOWN
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.messages import FIXED_BY_MATCH, MirrorReply, WarningReply

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from tests.protocol.samples import CODES, rules, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.models.mirror import PAPER_MIRROR
-from vision_core.net.delivery import DROPPED, NOT_SENT, REFUSED, SENT, Batch
+from vision_core.net.delivery import Batch
+from vision_core.net.delivery_rows import DROPPED, NOT_SENT, REFUSED, SENT
 from vision_core.net.server import UdpServer
 from vision_core.net.udp import SendResult, open_server_sockets
 from vision_core.protocol.events import Event

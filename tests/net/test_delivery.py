@@ -12,15 +12,14 @@ import pytest
 from tests.protocol.samples import BOOT
 from vision_core.clock import Instant, after
 from vision_core.net import delivery as module
-from vision_core.net.delivery import (
+from vision_core.net.delivery import Batch, DeliveryTable
+from vision_core.net.delivery_rows import (
     DROPPED,
     NEVER,
     NOT_SENT,
     REFUSED,
     SENT,
     UNKNOWN,
-    Batch,
-    DeliveryTable,
     mean_rank,
     new_rows,
     note_report,
@@ -55,7 +54,7 @@ def table_of(descriptors: list[int], options: Options = PAPER_OPTIONS, seed: int
     table = DeliveryTable(BOOT, seed)
     table.replace(new_rows(len(descriptors)))
     for row, descriptor in enumerate(descriptors):
-        table.address(row, descriptor, options)
+        table.address(row, row, descriptor, options)
     return table
 
 
@@ -106,7 +105,7 @@ def test_every_order_is_as_likely_as_any_other() -> None:
     orders: Counter[tuple[int, ...]] = Counter()
     batch, frames = Batch.of([b"see"] * 4), 24_000
     for frame in range(frames):
-        table.send(Instant(frame), batch)
+        table.send(Instant(BOOT + frame * MS), batch)
         orders[tuple(table.order.tolist())] += 1
     assert len(orders) == 24
     expected = frames / 24

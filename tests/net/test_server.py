@@ -10,7 +10,8 @@ import pytest
 
 from tests.net.serving import PATIENCE_S, Stadium, robot
 from vision_core.clock import Instant
-from vision_core.net.delivery import UNKNOWN, Batch, mean_rank
+from vision_core.net.delivery import Batch
+from vision_core.net.delivery_rows import UNKNOWN, mean_rank
 from vision_core.net.server import MAX_DATAGRAMS
 from vision_core.net.udp import SendResult, SessionSocket
 from vision_core.protocol.answers import decode_message

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 from vision_core.clock import MS_PER_S, NS_PER_MS, Instant, seconds_between
 from vision_core.models.mirror import Mirror
-from vision_core.net.delivery import UNKNOWN, mean_rank
+from vision_core.net.delivery_rows import UNKNOWN, mean_rank
 from vision_core.net.refusals import Refusals
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.protocol.events import Event, LagReported, RequestRefused

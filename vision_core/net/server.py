@@ -8,7 +8,8 @@ All views of a frame are made first and then
 sent back to back, in a new random order for every frame (paper, section 3.3).
 
 Each session has a row in the ``DeliveryTable``: when it is due, and what it was sent. Rows are added and removed before
-the first use after a session was opened, moved, changed or closed.
+the first use after a session was opened, moved, changed or closed. They are in the order of ``robot_index``: so the
+order of sending follows from the seed, the frame and the robots alone.
 """
 
 import select
@@ -22,7 +23,9 @@ import numpy as np
 
 from vision_core.clock import NS_PER_S, Clock, Instant
 from vision_core.geometry import Bytes
-from vision_core.net.delivery import DELIVERY, REFUSED, UNREACHABLE, Batch, DeliveryTable, new_rows, note_report
+from vision_core.net.delivery import Batch, DeliveryTable
+from vision_core.net.delivery_rows import DELIVERY, REFUSED, UNREACHABLE, new_rows, note_report
+from vision_core.net.fairness import FairnessRecord
 from vision_core.net.udp import Datagram, SendResult, SessionSocket, SharedSocket
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import ErrorCode
@@ -41,6 +44,7 @@ from vision_core.protocol.lifecycle import Peer, Port, Session
 from vision_core.protocol.messages import SyncReply
 from vision_core.protocol.rules import SessionRules
 from vision_core.protocol.session import Sessions
+from vision_core.types.fairness import robot_index
 from vision_core.types.objects import Team
 from vision_core.types.tables import Table
 
@@ -125,6 +129,11 @@ class UdpServer:
         self._update_table()
         rows = [self._in_table.index(session) for session in self.sessions]
         return self.sessions.snapshot() + b"\n" + self._table.rows[rows].tobytes()
+
+    @property
+    def fairness(self) -> FairnessRecord:
+        """How every robot was served since the match began."""
+        return self._table.fairness
 
     def fileno(self) -> int:
         """Readable when any socket is: register the server itself with a selector."""
@@ -331,15 +340,19 @@ class UdpServer:
             return
         rows = new_rows(len(self._sockets))
         old_rows = {session: row for row, session in enumerate(self._in_table)}
-        for row, session in enumerate(self._sockets):
+        self._in_table = tuple(sorted(self._sockets, key=_robot_of))
+        for row, session in enumerate(self._in_table):
             if session in old_rows:
                 rows[row] = self._table.rows[old_rows[session]]
         self._table.replace(rows)
-        self._in_table = tuple(self._sockets)
         self._table_is_stale = False
-        for row, (session, session_socket) in enumerate(self._sockets.items()):
-            self._table.address(row, session_socket.fileno(), session.options)
+        for row, session in enumerate(self._in_table):
+            self._table.address(row, _robot_of(session), self._sockets[session].fileno(), session.options)
 
     def _listen(self, descriptor: int, source: SharedSocket | Session) -> None:
         self._sources[descriptor] = source
         self._poll.register(descriptor, select.EPOLLIN)
+
+
+def _robot_of(session: Session) -> int:
+    return robot_index(session.team, session.number)

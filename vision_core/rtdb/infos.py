@@ -249,6 +249,9 @@ class EndedSession:
     since: Instant
 
 
+NEVER = Instant(0)
+
+
 @dataclass(frozen=True, slots=True)
 class LiveSettings:
     """The settings that hold from the next frame on, and what the operator has ended."""
@@ -267,6 +270,8 @@ class LiveSettings:
     ended: tuple[EndedSession, ...] = ()
     keys: dict[str, str] = field(default_factory=dict)
     """The digest of the key of the team that plays blue or yellow; a team without a key is left out."""
+    fairness_asked: Instant = NEVER
+    """When the operator last asked for a new record of fairness."""
 
     @staticmethod
     def of(settings: Settings, revision: int = 0, tasks: Mapping[str, TaskOverride] | None = None) -> "LiveSettings":

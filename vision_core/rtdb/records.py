@@ -23,6 +23,8 @@
 | suggestions/<camera> | search | robots that the blobs do not show |
 | frame_requests/<camera> | capture | which image a simulated camera or a file is to deliver next |
 | frames_done/<camera> | source | that this image is in its slot |
+| fairness | serve | how every robot was served since the match began: see ``types.fairness`` |
+| fairness_ended | serve | the newest record of fairness that has ended |
 | lags | serve | histograms of the lags of server, network and clients |
 | log | log_reader | the newest lines that the processes printed: see ``log_record`` |
 | selftest | supervisor | how well this machine keeps time |
@@ -52,6 +54,7 @@ from vision_core.rtdb.infos import (
 from vision_core.rtdb.items import AnyRecord, CameraRecord, Item, packed, per_camera, per_camera_table, tabled
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.timing.histogram import size_of
+from vision_core.types.fairness import FAIRNESS
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.overlay import Looking, Overlay
 from vision_core.types.palette import LivePalette
@@ -76,6 +79,8 @@ VIEWS: Item[Views] = tabled("views", ViewsTable, 0.25)
 SERVING = packed("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
 LAG_HISTOGRAMS = RecordSpec("lags", size_of(LAGS), 2.0)
+FAIRNESS_RECORD = RecordSpec("fairness", FAIRNESS.itemsize, 0.0)
+FAIRNESS_ENDED = RecordSpec("fairness_ended", FAIRNESS.itemsize, 0.0)
 LIVE_SETTINGS = packed("live_settings", LiveSettings, 65536, 0.0)
 LOOKING = packed("looking", Looking, 256, 0.0)
 SELF_TEST = packed("selftest", SelfTest, 2048, 0.0)

@@ -21,6 +21,7 @@ from vision_core.rtdb import records
 from vision_core.rtdb.infos import EndedSession
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, Release, StepResult
+from vision_core.tasks.fairness_keeper import FairnessKeeper
 from vision_core.tasks.session_rules import RuleBook
 from vision_core.tracks.tracker import Tracker
 from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
@@ -57,6 +58,7 @@ class ServeTask:
         self._sessions = handle.raw_writer(records.SESSIONS.name)
         self._book = RuleBook(handle)
         self.server = _restored_server(handle, self._book)
+        self._fairness = FairnessKeeper(handle, self.server.fairness)
         self._report = DeliveryReport()
         self._serving = handle.writer(records.SERVING)
         self._lags = handle.raw_writer(records.LAG_HISTOGRAMS.name)
@@ -108,6 +110,7 @@ class ServeTask:
         self._note(self.server.expire())
         self._lags.write(self._report.histograms(), now, now)
         self._serving.write(self._report.serving(self.server, now, self._revision), now, now)
+        self._fairness.publish(now)
         self._published_at = now
 
     def _send(self, world: WorldTable, grabbed_at: Instant) -> SendSummary:
@@ -140,6 +143,7 @@ class ServeTask:
         for ended in live.ended:
             if ended not in self._ended:
                 events += self.server.end(ended.team, ended.number, ended.since)
+        self._fairness.follow(live)
         self._revision, self._ended = live.revision, live.ended
         self._note(events)
 

@@ -83,8 +83,8 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield line(
         "serve",
         sightings,
-        [sightings, obstacles, "sessions"],
-        ["world", "views", "serving", "sessions", "lags"],
+        [sightings, obstacles, "sessions", "fairness"],
+        ["world", "views", "serving", "sessions", "lags", "fairness", "fairness_ended"],
         sockets=("main", "session"),
         on_frame_path=True,
         purpose="sends every robot its view",
@@ -104,7 +104,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     )
     watched = [record for task in watchers for record in task.writes]
     shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay, palette]
-    shown += ["processes", "selftest", "log", "world", "views", "serving", "lags"]
+    shown += ["processes", "selftest", "log", "world", "views", "serving", "lags", "fairness", "fairness_ended"]
     yield line(
         "web",
         NONE,
@@ -208,6 +208,8 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
         records.overlay(camera.name).spec,
         records.SESSIONS,
         records.LAG_HISTOGRAMS,
+        records.FAIRNESS_RECORD,
+        records.FAIRNESS_ENDED,
         records.frames(camera.name, *camera.size_px),
         *(records.task(task.name).spec for task in tasks),
         *(records.timing(task.name) for task in tasks),

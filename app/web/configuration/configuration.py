@@ -119,6 +119,12 @@ class Configuration:
             self._publisher.end_session(team, number, since)
             self.publish()
 
+    def begin_fairness(self) -> None:
+        """Begin a new record of fairness."""
+        with self._lock:
+            self._publisher.begin_fairness()
+            self.publish()
+
     def end_admissions(self) -> None:
         """Delete the admissions whose time is over; to be called once a second or so."""
         with self._lock:

@@ -24,10 +24,15 @@ class LivePublisher:
         stored = records.LIVE_SETTINGS.reader(store).read(self._clock.now())
         self._published = stored.value if stored else None
         self._ended: tuple[EndedSession, ...] = stored.value.ended if stored else ()
+        self._fairness_asked = stored.value.fairness_asked if stored else Instant(0)
 
     def end_session(self, team: Team, number: int, since: Instant) -> None:
         """Remember a session that is to end; ``publish`` tells it."""
         self._ended = (*self._ended, EndedSession(team, number, since))[-ENDED_KEPT:]
+
+    def begin_fairness(self) -> None:
+        """A new record of fairness is to begin; ``publish`` tells it."""
+        self._fairness_asked = self._clock.now()
 
     def publish(self, settings: Settings, started: Settings, revision: int, keys: Mapping[str, str]) -> None:
         """Write what can be applied at once.
@@ -37,7 +42,12 @@ class LivePublisher:
         """
         now = self._clock.now()
         overrides = _overrides(settings.tasks, started.tasks)
-        live = replace(LiveSettings.of(settings, revision, overrides), ended=self._ended, keys=dict(keys))
+        live = replace(
+            LiveSettings.of(settings, revision, overrides),
+            ended=self._ended,
+            keys=dict(keys),
+            fairness_asked=self._fairness_asked,
+        )
         if live != self._published:
             self._writer.write(live, now, now)
             self._published = live
