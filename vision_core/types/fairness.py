@@ -41,8 +41,8 @@ FAIRNESS = np.dtype(
     ]
 )  # fmt: skip
 """The record. seed: of the order of sending (``net.sending_order``); boot, began: instants [ns]; reason: PRACTICE,
-MATCH or REQUEST; began_s, ended_s: time of day [s since 1970], ended_s 0 while it goes on. frames, blue, blue2: by the number
-n of a frame's datagrams: how many frames, the sum of blue's datagrams in each, and the sum of their squares.
+MATCH or REQUEST; began_s, ended_s: time of day [s since 1970], ended_s 0 while it goes on. frames, blue, blue2: by the
+number n of a frame's datagrams: how many frames, the sum of blue's datagrams in each, and the sum of their squares.
 
 compared: frames in which both teams were sent datagrams; difference_us: blue's mean lag minus yellow's in such a frame,
 its sum and the sum of its squares; spread_us2_sum: sum of the squared distances of lags from the mean of their frame,
