@@ -10,6 +10,11 @@ def check(context: typer.Context) -> None:
     _examine("check", context)
 
 
+def conformance(context: typer.Context) -> None:
+    """Hold another server to docs/protocol.md, rule by rule, from the wire only (`pslv conformance --help`)."""
+    _examine("conformance", context)
+
+
 def _examine(command: str, context: typer.Context) -> None:
     from vision_core.examination.__main__ import main
 

@@ -7,9 +7,13 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TypeAlias, TypeVar
 
 from vision_core.clock import MonotonicClock
-from vision_core.errors import PslvError
+from vision_core.errors import ConnectionRefused, PslvError
 from vision_core.examination.before_match import Asked, check_server
+from vision_core.examination.conformance.examine import RULES, examine, print_outcome
+from vision_core.examination.conformance.probe import Probe
+from vision_core.examination.conformance.rule import Verdict
 from vision_core.examination.findings import Finding, Grade, print_finding, worst
+from vision_core.examination.way import place_of
 from vision_core.protocol.messages import MAX_NUMBER
 from vision_core.types.objects import Team
 
@@ -36,6 +40,24 @@ def _check(asked: argparse.Namespace) -> Grade:
     return _printed(check_server(robot, MonotonicClock(), seconds=asked.seconds), as_json=asked.json)
 
 
+def _conformance(asked: argparse.Namespace) -> Grade:
+    try:
+        place = place_of(asked.host, asked.port)
+    except (OSError, UnicodeError) as error:
+        raise ConnectionRefused(asked.host, found=str(error), accepted="a name or address of a server") from None
+    rules = [rule for rule in RULES if asked.only in (None, rule.name)]
+    probe = Probe(place, asked.team, asked.number, asked.other)
+    verdicts = []
+    for outcome in examine(probe, rules):
+        verdicts.append(outcome.verdict)
+        print_outcome(outcome, sys.stdout, as_json=asked.json)
+    if not asked.json:
+        print(", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in Verdict))
+    if Verdict.FAILED in verdicts:
+        return Grade.BAD
+    return Grade.DOUBTFUL if Verdict.SKIPPED in verdicts else Grade.GOOD
+
+
 def _printed(findings: Iterable[Finding], *, as_json: bool) -> Grade:
     """Print findings as they come; the worst grade."""
     found = []
@@ -49,7 +71,26 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="pslv", description="Examine a server, a client, or the way between them.")
     commands = parser.add_subparsers(dest="command", required=True)
     _add_check(_command(commands, "check", "Connect as a robot, watch its views, and say how ready this computer is."))
+    conformance = "Hold another server to docs/protocol.md, one rule after the other, from the wire only."
+    _add_conformance(_command(commands, "conformance", conformance))
     return parser
+
+
+def _add_conformance(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(run=_conformance)
+    _add_server(parser)
+    _add_robot(parser)
+    other_help = "a second robot of the team; nobody may play either now [%(default)s]"
+    parser.add_argument("--other", type=within(int, 1, MAX_NUMBER), default=2, help=other_help)
+    parser.add_argument(
+        "--only", choices=[rule.name for rule in RULES], metavar="RULE", help="hold it to this rule only"
+    )
+
+
+def _add_robot(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--team", choices=[team.value for team in Team], default="blue", help="[%(default)s]")
+    number_help = f"of the robot, 1..{MAX_NUMBER} [%(default)s]"
+    parser.add_argument("--number", type=within(int, 1, MAX_NUMBER), default=1, help=number_help)
 
 
 def _command(commands: Commands, name: str, description: str) -> argparse.ArgumentParser:
@@ -59,9 +100,7 @@ def _command(commands: Commands, name: str, description: str) -> argparse.Argume
 def _add_check(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=_check)
     _add_server(parser)
-    parser.add_argument("--team", choices=[team.value for team in Team], default="blue", help="[%(default)s]")
-    number_help = f"of the robot, 1..{MAX_NUMBER} [%(default)s]"
-    parser.add_argument("--number", type=within(int, 1, MAX_NUMBER), default=1, help=number_help)
+    _add_robot(parser)
     key_help = (
         "the team's key, from the referee; others on this computer can read arguments, but not PSLV_KEY [PSLV_KEY]"
     )
