@@ -17,7 +17,7 @@ from app.commands.colors import colors_app
 from app.commands.compile import compile_command
 from app.commands.config import config_app
 from app.commands.detect import detect
-from app.commands.examination import check, conformance
+from app.commands.examination import check, check_client, conformance
 from app.commands.fidelity import fidelity
 from app.commands.onboard import onboard_app
 from app.commands.people import passwd, token
@@ -54,7 +54,7 @@ for command in (
     support_bundle,
 ):
     app.command()(command)
-for of_numpy_alone in (client, check, conformance):
+for of_numpy_alone in (client, check, check_client, conformance):
     app.command(context_settings=CONTEXT, add_help_option=False)(of_numpy_alone)
 app.command("compile")(compile_command)
 calibrate_app.command()(board)

@@ -15,6 +15,11 @@ def conformance(context: typer.Context) -> None:
     _examine("conformance", context)
 
 
+def check_client(context: typer.Context) -> None:
+    """Play a bad evening to a client and say what it does wrong (`pslv check-client --help`)."""
+    _examine("check-client", context)
+
+
 def _examine(command: str, context: typer.Context) -> None:
     from vision_core.examination.__main__ import main
 

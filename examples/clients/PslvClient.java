@@ -55,8 +55,7 @@ public final class PslvClient implements AutoCloseable {
     private int version; // that the server speaks; 0: not known yet
     private String waiting = ""; // an error that passes, as not_ready; empty: none
     private String ended = "";
-    private String cookie = "";
-    private String boot = "";
+    private String cookie = "", boot = "";
     private double leaseS = LEASE_S;
     private double[] mirror = {};
     private double[] fov = {360.0, 180.0}; // width and center [deg]
@@ -105,9 +104,13 @@ public final class PslvClient implements AutoCloseable {
     /** End the session. */
     @Override
     public void close() throws IOException {
-        if (version != 0 && ended.isEmpty()) send("(bye)", server);
+        bye();
         channel.close();
         selector.close();
+    }
+
+    private void bye() {
+        if (version != 0 && ended.isEmpty()) send("(bye)", server);
     }
 
     private void send(String text, InetSocketAddress to) {
@@ -275,6 +278,7 @@ public final class PslvClient implements AutoCloseable {
         int port = Integer.parseInt(given[3]);
         String key = System.getenv().getOrDefault("PSLV_KEY", "");
         try (PslvClient robot = new PslvClient(given[2], port, given[0], number, given[5], key)) {
+            Runtime.getRuntime().addShutdownHook(new Thread(robot::bye)); // also by Ctrl-C
             while (seen < Integer.parseInt(given[4])) {
                 View view = robot.next(5.0);
                 if (view != null) {

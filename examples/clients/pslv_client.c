@@ -10,6 +10,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,7 +86,6 @@ static void read_word(const char *text, const char *mark, char *word, size_t siz
 }
 
 static int starts(const char *text, const char *with) { return strncmp(text, with, strlen(with)) == 0; }
-
 static int read_mirror(pslv_client *client, const char *text, const char *mark) {
     double m[3];
     int valid = read_after(text, mark, 3, m) != NULL && m[2] > 0.0 && m[1] >= 0.0 && m[0] > m[1] * sqrt(m[2]);
@@ -186,12 +186,9 @@ static int take(pslv_client *client, const char *text, const struct sockaddr_in 
     pslv_view seen = {0};
     read_word(text, " ", word, sizeof word);
     if (starts(text, "(error ")) return take_error(client, word);
-    client->heard_s = now_s();
-    client->waiting[0] = '\0';
+    client->heard_s = now_s(), client->waiting[0] = '\0';
     if (starts(text, "(see ") && client->open && read_see(client, text, &seen) && seen.time_s > client->time_s) {
-        client->server = *from;
-        client->time_s = seen.time_s;
-        *view = seen;
+        client->server = *from, client->time_s = seen.time_s, *view = seen;
         return 1;
     }
     if (starts(text, "(init ")) take_init(client, text, from);
@@ -274,6 +271,8 @@ static void print_raw(const pslv_view *view) {
     printf(isfinite(view->ball_mm) ? " %.1f\n" : " -\n", view->ball_mm);
 }
 
+static volatile sig_atomic_t stopped; /* by Ctrl-C: the robot is given back with bye */
+static void stop(int number) { stopped = number; }
 int main(int count, char **words) {
     const char *given[] = {"blue", "3", "127.0.0.1", "6000", "100", ""}, *key = getenv("PSLV_KEY"), *why;
     int raw = count > 1 && strcmp(words[1], "--raw") == 0, got, seen = 0;
@@ -281,7 +280,8 @@ int main(int count, char **words) {
     pslv_view view;
     for (int i = 1 + raw; i < count && i - raw <= 6; i++) given[i - 1 - raw] = words[i];
     got = pslv_connect(&client, given[2], atoi(given[3]), given[0], atoi(given[1]), given[5], key ? key : "");
-    while (got >= 0 && seen < atoi(given[4])) {
+    signal(SIGINT, stop);
+    while (got >= 0 && !stopped && seen < atoi(given[4])) {
         got = pslv_next(&client, &view, 5.0);
         if (got > 0) {
             seen++;

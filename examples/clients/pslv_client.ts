@@ -255,9 +255,10 @@ async function main(words: string[]): Promise<void> {
   const defaults = ["blue", "3", "127.0.0.1", "6000", "100", ""].slice(given.length);
   const [team, number, host, port, views, options] = [...given, ...defaults];
   const robot = await PslvClient.connect(host, Number(port), team, Number(number), options, process.env.PSLV_KEY);
-  let seen = 0;
+  let [seen, stopped] = [0, false];
+  process.once("SIGINT", () => (stopped = true)); // the robot is given back with bye
   try {
-    while (seen < Number(views)) {
+    while (!stopped && seen < Number(views)) {
       const view = await robot.next(5);
       if (view) {
         seen++;

@@ -13,6 +13,9 @@ from vision_core.examination.conformance.examine import RULES, examine, print_ou
 from vision_core.examination.conformance.probe import Probe
 from vision_core.examination.conformance.rule import Verdict
 from vision_core.examination.findings import Finding, Grade, print_finding, worst
+from vision_core.examination.trial.examine import ACTS, examine_client
+from vision_core.examination.trial.program import Program
+from vision_core.examination.trial.server import TrialServer
 from vision_core.examination.way import place_of
 from vision_core.protocol.messages import MAX_NUMBER
 from vision_core.types.objects import Team
@@ -58,6 +61,20 @@ def _conformance(asked: argparse.Namespace) -> Grade:
     return Grade.DOUBTFUL if Verdict.SKIPPED in verdicts else Grade.GOOD
 
 
+def _check_client(asked: argparse.Namespace) -> Grade:
+    words = asked.client[1:] if asked.client[:1] == ["--"] else asked.client
+    program = Program(words)
+    server = TrialServer(asked.host, asked.port, program, MonotonicClock())
+    try:
+        if not words:
+            print(f"start your client now: it finds a server at {asked.host} port {server.port}", file=sys.stderr)
+        acts = [asked.only] if asked.only else []
+        return _printed(examine_client(server, acts, wait_s=asked.wait), as_json=asked.json)
+    finally:
+        program.stop()
+        server.close()
+
+
 def _printed(findings: Iterable[Finding], *, as_json: bool) -> Grade:
     """Print findings as they come; the worst grade."""
     found = []
@@ -73,7 +90,22 @@ def _parser() -> argparse.ArgumentParser:
     _add_check(_command(commands, "check", "Connect as a robot, watch its views, and say how ready this computer is."))
     conformance = "Hold another server to docs/protocol.md, one rule after the other, from the wire only."
     _add_conformance(_command(commands, "conformance", conformance))
+    trial = "Play a server to your client that loses, delays, repeats, restarts, and say what the client does wrong."
+    _add_check_client(_command(commands, "check-client", trial))
     return parser
+
+
+def _add_check_client(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(run=_check_client)
+    parser.add_argument("--host", default="127.0.0.1", help="our address that the client sends to [%(default)s]")
+    port_help = "our UDP port; the next one is the session port [%(default)s]"
+    parser.add_argument("--port", type=within(int, 1, 65534), default=6000, help=port_help)
+    wait_help = "for the client's first datagram, in seconds [%(default)g]"
+    parser.add_argument("--wait", type=within(float, 0.1, MAX_SECONDS), default=60.0, help=wait_help)
+    parser.add_argument("--only", choices=list(ACTS), metavar="ACT", help=f"play one act only: {', '.join(ACTS)}")
+    parser.add_argument("--json", action="store_true", help="one line of JSON per finding")
+    client_help = "the client and its words, behind --; without it, start it yourself"
+    parser.add_argument("client", nargs=argparse.REMAINDER, help=client_help)
 
 
 def _add_conformance(parser: argparse.ArgumentParser) -> None:
