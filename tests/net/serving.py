@@ -11,7 +11,7 @@ from tests.protocol.samples import CODES, rules, simple_view
 from vision_core.clock import Instant, MonotonicClock
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.net.delivery import Batch
-from vision_core.net.delivery_rows import DROPPED, NOT_SENT, REFUSED, SENT
+from vision_core.net.delivery_rows import DROPPED, NOT_SENT, REFUSED, SENT, UNREACHABLE
 from vision_core.net.server import UdpServer
 from vision_core.net.udp import SendResult, open_server_sockets
 from vision_core.protocol.events import Event
@@ -36,7 +36,12 @@ class Delivery:
     result: SendResult
 
 
-RESULTS = {SENT: SendResult.SENT, DROPPED: SendResult.DROPPED, REFUSED: SendResult.REFUSED}
+RESULTS = {
+    SENT: SendResult.SENT,
+    DROPPED: SendResult.DROPPED,
+    UNREACHABLE: SendResult.DROPPED,
+    REFUSED: SendResult.REFUSED,
+}
 
 
 @dataclass(frozen=True)
@@ -50,11 +55,11 @@ class Frame:
 class Stadium:
     """A server that sends every client walls at 220 mm and a ball."""
 
-    def __init__(self, strangers_s: float = 1e3) -> None:
+    def __init__(self, strangers_s: float = 1e3, host: str = "127.0.0.1") -> None:
         self.strangers_s = strangers_s
         self.clock = MonotonicClock()
         self.rules = rules(boot=self.clock.now())
-        self.main, self.session = open_server_sockets("127.0.0.1", 0, 0)
+        self.main, self.session = open_server_sockets(host, 0, 0)
         self._grabbed = Instant(0)
         self.blind = False
         """The camera sees no robot, so no view is sent."""

@@ -94,6 +94,17 @@ def test_a_repeated_init_may_change_the_options() -> None:
     assert session.nul
 
 
+def test_a_client_that_finds_us_at_another_of_our_addresses_is_answered_from_there() -> None:
+    server = Server()
+    server.hear(b"(init blue 3)")
+    (session,) = server.sessions
+    elsewhere = Endpoint(Port.MAIN, "10.0.0.3")
+    events = server.hear(b"(init blue 3)", CLIENT, elsewhere)
+    assert events[0] == SessionMoved(session)
+    assert [event.via for event in events if isinstance(event, Reply)] == [Endpoint(Port.SESSION, "10.0.0.3")]
+    assert server.hear(b"(init blue 3 (rate 5))", CLIENT, elsewhere)[0] == SessionChanged(session)
+
+
 def test_the_third_unanswered_init_moves_to_the_main_port() -> None:
     server = Server()
     session = opened(server)

@@ -132,6 +132,8 @@ class Connection:
         self._lag = LagReports(self._heard_at)
         self._sync = ClockSync()
         self._time_us = -1
+        self._shows_key = False
+        """An address that is not admitted was refused; the answer to the key is not there yet."""
 
     def __enter__(self) -> Self:
         return self
@@ -308,6 +310,10 @@ class Connection:
         """Raise ConnectionRefused for an error after which it is of no use to ask again."""
         if error in TRANSIENT:
             return
+        if error == ErrorCode.NOT_ADMITTED and self.init.proof.key and self.facts and not self._shows_key:
+            self._shows_key = True  # this computer's address has changed: an init shows the key
+            self._ask(self._main)
+            return
         if error == ErrorCode.UNKNOWN_COMMAND and self._mirror is None:
             raise self._mirror_unknown()
         meaning = MEANINGS.get(error, "see the server's documentation")
@@ -330,6 +336,7 @@ class Connection:
             case InitReply():
                 self._sync.begin(message.facts.boot if message.facts else None, self._heard_at)
                 self.mode, self.facts, self.sees = message.mode, message.facts, True
+                self._shows_key = False
                 self.options = _granted(self.init.options, message.facts)
                 # the server may have been restarted: its Time begins anew, and its field may have another mirror
                 self._time_us = -1

@@ -312,7 +312,7 @@ class Sessions:
         if holder is None:
             return self._open(init, nul, sender, has_key=has_key)
         if own is not None:
-            return self._repeat(own, init, nul, sender.now)
+            return self._repeat(own, init, nul, sender)
         return self._take_over(holder, init, nul, sender, has_key=has_key)
 
     def _take_over(
@@ -375,17 +375,21 @@ class Sessions:
         self._by_robot[init.team, init.number] = session
         return [SessionOpened(session), *self._answers(session, now)]
 
-    def _repeat(self, session: Session, init: Init, nul: bool, now: Instant) -> list[Event]:
-        """Answer an init of the same client again: the answer was lost, or the client asks for other options."""
+    def _repeat(self, session: Session, init: Init, nul: bool, sender: Sender) -> list[Event]:
+        """Answer an init of the same client again: the answer was lost, the client asks for other options, or it has
+        found us at another of our addresses."""
+        now, local = sender.now, sender.endpoint.local
         equal = init == session.init and seconds_between(session.inited, now) <= REPEAT_S
         session.inits = session.inits + 1 if equal else 1
-        changed = (init, nul) != (session.init, session.nul)
+        changed, elsewhere = (init, nul) != (session.init, session.nul), local != session.local
         session.init, session.nul, session.inited = replace(init, proof=NO_PROOF), nul, now
-        session.options = self.rules.granted(init.options)
+        session.options, session.local = self.rules.granted(init.options), local
         moved: list[Event] = []
         if init.options.port_same or session.inits >= UNHEARD_INITS:
             moved = self._step(session, SessionTrigger.UNHEARD, now)
-        return [*([SessionChanged(session)] if changed else []), *(moved or self._answers(session, now))]
+        if not moved:
+            moved = [*([SessionMoved(session)] if elsewhere else []), *self._answers(session, now)]
+        return [*([SessionChanged(session)] if changed else []), *moved]
 
     def _set(self, session: Session, command: Set) -> list[Event] | ErrorCode:
         """Other options for a session. Version and port are fixed by its init."""
