@@ -2,9 +2,11 @@
 
 import contextlib
 import socket
+import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from ipaddress import ip_network
 
 import pytest
 
@@ -14,6 +16,8 @@ from vision_core.net.delivery import Batch
 from vision_core.net.delivery_rows import UNKNOWN, mean_rank
 from vision_core.net.server import MAX_DATAGRAMS
 from vision_core.net.udp import SendResult, SessionSocket
+from vision_core.protocol import admission
+from vision_core.protocol.admission import Admission
 from vision_core.protocol.answers import decode_message
 from vision_core.protocol.events import LagReported, Reply, SessionClosed, SessionMoved, SessionOpened
 from vision_core.protocol.lifecycle import SessionState, SessionTrigger
@@ -21,6 +25,8 @@ from vision_core.protocol.messages import SyncReply
 from vision_core.protocol.session import Sessions
 
 EDGES = b"w2c" * 360
+IP_RECVTTL = 12
+"""Of Linux (ip(7)); the socket module has no name for it."""
 
 
 @pytest.fixture
@@ -174,6 +180,27 @@ def test_views_from_the_main_port_when_asked_or_unheard(stadium: Stadium, inits:
         see, source = client.recvfrom(2000)
         assert see.startswith(b"(see ")
         assert source == stadium.main.getsockname()
+
+
+def test_a_guest_of_the_open_practice_is_reached_in_the_local_network_only(
+    stadium: Stadium, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(admission, "LOCAL", (ip_network("127.0.0.0/8"),))
+    stadium.restart(replace(stadium.rules, admission=Admission(loopback=False, open_practice=True)))
+    with robot(stadium, b"(init blue 3)") as client:
+        client.setsockopt(socket.IPPROTO_IP, IP_RECVTTL, 1)
+        stadium.serve()
+        stadium.send_frame()
+        assert [_hops(client) for _ in range(2)] == [1, 1]  # the answer and a view
+        stadium.server.apply(replace(stadium.rules, admission=Admission()), "play_on", stadium.clock.now())
+        stadium.send_frame()
+        assert _hops(client) > 1
+
+
+def _hops(client: socket.socket) -> int:
+    """Hops that a datagram had left when it arrived."""
+    _, ancillary, _, _ = client.recvmsg(2000, socket.CMSG_SPACE(4))
+    return int.from_bytes(ancillary[0][2], sys.byteorder)
 
 
 def test_bye_and_the_robot_is_free(stadium: Stadium) -> None:

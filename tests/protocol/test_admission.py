@@ -1,5 +1,7 @@
 """Addresses that may connect."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.protocol.samples import SUBNETS
@@ -56,3 +58,28 @@ def test_a_rule_admits_as_some_robots_and_a_refusal_wins(host: str, robots: set[
 
 def test_this_computer_can_be_refused_too() -> None:
     assert not Admission.from_texts([], [], ["127.0.0.0/8"]).admits("127.0.0.1")
+
+
+OPEN = Admission(loopback=False, open_practice=True, refused=RULES.refused)
+
+
+@pytest.mark.parametrize("host", ["10.1.2.3", "172.31.0.1", "192.168.9.9", "169.254.3.4", "fd00::5", "fe80::1"])
+def test_open_practice_admits_the_local_network_as_a_guest(host: str) -> None:
+    assert OPEN.admits_as(host, Team.BLUE, 3)
+    assert OPEN.is_guest(host, Team.BLUE, 3)
+
+
+@pytest.mark.parametrize("host", ["8.8.8.8", "172.32.0.1", "203.0.113.7", "2001:db8::1", "127.0.0.1", "10.0.0.66"])
+def test_open_practice_admits_nobody_else(host: str) -> None:
+    assert not OPEN.admits_as(host, Team.BLUE, 3)
+
+
+def test_who_is_admitted_is_no_guest_of_the_open_practice() -> None:
+    admission = replace(RULES, open_practice=True)
+    assert not admission.is_guest("192.168.7.5", Team.BLUE, 3)
+    assert admission.is_guest("192.168.7.5", Team.BLUE, 4)
+
+
+def test_in_a_match_this_computer_is_admitted_like_any_other() -> None:
+    assert not Admission(loopback=False).admits("127.0.0.1")
+    assert Admission.from_subnets(["127.0.0.1"]).admits("127.0.0.1")

@@ -208,6 +208,8 @@ class UdpServer:
         """
         events = self.apply_events(self.sessions.apply(rules, mode, at))
         self._table_is_stale = True  # the encoder reads the clients' options anew
+        for session, session_socket in self._sockets.items():
+            session_socket.stay_local(rules.is_guest(session))
         return events
 
     def end(self, team: Team, number: int, since: Instant) -> list[Event]:
@@ -323,6 +325,7 @@ class UdpServer:
             opened = self._shared[session.port].open_session(session.local, session.peer)
         except OSError:
             return False
+        opened.stay_local(self.sessions.rules.is_guest(session))
         self._sockets[session] = opened
         self._listen(opened.fileno(), session)
         return True

@@ -21,6 +21,8 @@ SHARED_BUFFER = 1 << 20
 """Receive buffer of an unconnected socket [bytes]: a flood shall not push out another client's init."""
 SEND_BUFFER = 16384
 """Send buffer of a session [bytes]: a few views. Older ones are of no use to the client."""
+DEFAULT_HOPS = -1
+"""The system's number of routers that a datagram may pass (ip(7), ipv6(7))."""
 DSCP_EF = 46 << 2
 """Expedited forwarding (RFC 3246), as the TOS byte."""
 TAKEN = "another program has it"
@@ -179,6 +181,14 @@ class SessionSocket:
     def fileno(self) -> int:
         """The socket's descriptor."""
         return self.socket.fileno()
+
+    def stay_local(self, local: bool) -> None:  # noqa: FBT001 (a switch)
+        """Let datagrams end at the first router, or not."""
+        hops = 1 if local else DEFAULT_HOPS
+        if self.socket.family == socket.AF_INET6:
+            self.socket.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_UNICAST_HOPS, hops)
+        else:
+            self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_TTL, hops)
 
     def close(self) -> None:
         """Close the socket."""

@@ -1,12 +1,12 @@
-"""Addresses that may connect: those of the server's own computer, and those that the settings list.
+"""Addresses that may connect: those that the settings list, and in practice those of the server's own computer.
 
-A rule may admit an address for the robots of one team, or for one robot. An address that is refused may not connect,
-whatever admits it.
+A rule may admit an address for the robots of one team, or for one robot. Open practice admits every address of the
+local network. An address that is refused may not connect, whatever admits it.
 """
 
 import ipaddress
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from vision_core.errors import SettingsError
@@ -14,6 +14,14 @@ from vision_core.types.objects import Team
 
 IPAddress = ipaddress.IPv4Address | ipaddress.IPv6Address
 IPNetwork = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+LOCAL = tuple(
+    map(
+        ipaddress.ip_network,
+        ("10.0.0.0/8", "172.16.0.0/12", "192.168.0.0/16", "169.254.0.0/16", "fc00::/7", "fe80::/10"),
+    )
+)
+"""Addresses of local networks (RFC 1918, 3927, 4193, 4291): no router of the Internet forwards to them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +41,16 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Admission:
-    """Admits loopback addresses and the addresses of a list of networks."""
+    """Which addresses may connect, and as which robots."""
 
     networks: tuple[IPNetwork, ...] = ()
     """May connect as every robot."""
     rules: tuple[Rule, ...] = ()
     refused: tuple[IPNetwork, ...] = ()
+    loopback: bool = True
+    """Programs on the server's own computer may connect as every robot."""
+    open_practice: bool = False
+    """So may every address of a local network."""
 
     @staticmethod
     def from_subnets(subnets: Iterable[str]) -> "Admission":
@@ -72,8 +84,16 @@ class Admission:
             return False
         return self._admits_all(address) or any(rule.admits_as(team, number) for rule in self._rules_of(address))
 
+    def is_guest(self, host: str, team: Team, number: int) -> bool:
+        """Does nothing but the open practice admit this address as this robot?"""
+        return self.open_practice and not replace(self, open_practice=False).admits_as(host, team, number)
+
     def _admits_all(self, address: IPAddress) -> bool:
-        known = address.is_loopback or any(address in network for network in self.networks)
+        known = (
+            (self.loopback and address.is_loopback)
+            or any(address in network for network in self.networks)
+            or (self.open_practice and any(address in network for network in LOCAL))
+        )
         return known and not self._refuses(address)
 
     def _rules_of(self, address: IPAddress) -> Iterator[Rule]:

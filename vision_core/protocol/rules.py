@@ -65,6 +65,11 @@ class SessionRules:
         """Does the match fix something that a session's client has asked for?"""
         return self.granted(session.init.options) != session.init.options
 
+    def is_guest(self, session: Session) -> bool:
+        """Has nobody admitted a session's address, and has the client not proven that the address is its own?"""
+        proven = session.version > 1 or session.has_key
+        return not proven and self.admission.is_guest(session.peer.host, session.team, session.number)
+
     def mirror_of(self, session: Session) -> Mirror:
         """The mirror through which a session's robot sees."""
         return session.options.mirror or self.mirrors[session.team, session.number]

@@ -402,12 +402,15 @@ class AdmissionRule(Record, frozen=True):
 
 
 class AdmissionSettings(Record, frozen=True):
-    """Addresses that may connect, beside the server's own machine."""
+    """Addresses that may connect; in practice the server's own machine may as well."""
 
     subnets: Annotated[tuple[Network, ...], Meta(max_length=MAX_RULES, description="may connect as every robot")]
     rules: Annotated[tuple[AdmissionRule, ...], Meta(max_length=MAX_RULES, description="may connect as some robots")]
     refused: Annotated[
         tuple[Network, ...], Meta(max_length=MAX_RULES, description="may not connect, whatever the other lists say")
+    ]
+    open_practice: Annotated[
+        bool, Meta(description="in practice, every address of a local network may connect as every robot")
     ]
 
 

@@ -1,6 +1,7 @@
 """The rules of the UDP sessions, from the settings and from what the service knows of itself."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 from vision_core.clock import MS_PER_S
@@ -14,7 +15,7 @@ from vision_core.protocol.options import Options
 from vision_core.protocol.rules import ServerFacts, SessionRules
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle
-from vision_core.settings.schema import AdmissionSettings, MatchViews, Settings
+from vision_core.settings.schema import MatchViews, Settings
 from vision_core.types.objects import Team
 from vision_core.views.renderer import nearest_m
 
@@ -38,7 +39,7 @@ class RuleBook:
             lease_s=settings.protocol.lease_s,
             diagonal_m=diagonal_m(settings.field),
             mirrors=mirrors_of(settings.mirror),
-            admission=_admission(settings.admission),
+            admission=_admission(settings),
             facts=self._facts(settings),
             fixed=_fixed(settings.match.views) if settings.match.fixes_views else None,
             keys={Team(team): digest for team, digest in keys.items()},
@@ -68,7 +69,9 @@ def _fixed(views: MatchViews) -> Options:
     )
 
 
-def _admission(settings: AdmissionSettings) -> Admission:
-    """Who may connect as the settings say."""
-    rules = ((rule.network, Team(rule.team) if rule.team else None, rule.number) for rule in settings.rules)
-    return Admission.from_texts(settings.subnets, rules, settings.refused)
+def _admission(settings: Settings) -> Admission:
+    """Who may connect as the settings say. In a match nobody may whom they do not list."""
+    listed, in_practice = settings.admission, settings.match.mode == "practice"
+    rules = ((rule.network, Team(rule.team) if rule.team else None, rule.number) for rule in listed.rules)
+    admission = Admission.from_texts(listed.subnets, rules, listed.refused)
+    return replace(admission, loopback=in_practice, open_practice=listed.open_practice and in_practice)

@@ -36,6 +36,8 @@ class MatchReport(Report):
     """Told to clients in the answer to init."""
     viewer_delay_s: float
     """How late viewers see the field while a match is played [s]."""
+    open_practice: bool
+    """Every address of a local network may connect as any robot: set, and no match is played."""
 
 
 class MatchPatch(Report):
@@ -111,6 +113,7 @@ def match_from(configuration: Configuration) -> MatchReport:
         revision=configuration.revision,
         blue=entries.get(plays(Team.BLUE)),
         yellow=entries.get(plays(Team.YELLOW)),
+        open_practice=configuration.settings.admission.open_practice and match["mode"] == "practice",
         **{key: match[key] for key in MatchReport.model_fields if key in match},
     )
 
