@@ -37,6 +37,7 @@ from app.web.routes.health import health_routes
 from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
 from app.web.routes.mirrors import mirror_routes
+from app.web.routes.monitors import monitor_routes
 from app.web.routes.new_venue import new_venue_routes
 from app.web.routes.pages import lost_page, page_routes, static_files
 from app.web.routes.people import people_routes
@@ -121,6 +122,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(new_venue_routes(blackboard, configuration))
     app.include_router(restart_routes(store, blackboard))
     app.include_router(team_routes(configuration, people.team_keys))
+    app.include_router(monitor_routes(blackboard, configuration, people.team_keys))
     app.include_router(match_routes(configuration))
     app.include_router(mirror_routes(configuration))
     app.include_router(login_routes(people, configuration))

@@ -36,6 +36,21 @@ def test_an_example(name: str, expected: str) -> None:
     assert done.stdout.count(expected) == 5
 
 
+def test_the_monitor_shows_the_field_until_it_has_seen_enough() -> None:
+    def answers(datagram: bytes) -> list[bytes]:
+        if b"cookie 0123456789abcdef01234567" in datagram:
+            return [b"(dispinit play_on (version 2))", *[b"(show 1.0 ((ball) 120 -35 800 0))"] * 2]
+        return [b"(challenge 0123456789abcdef01234567)"] if datagram.startswith(b"(dispinit") else []
+
+    with ScriptedServer(answers) as server:
+        command = [sys.executable, str(EXAMPLES / "monitor.py"), "127.0.0.1", str(server.port), "2", "K"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment(), check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.count("((ball) 120 -35 800 0)") == 2
+    assert server.heard[0] == b"(dispinit (key K))"
+    assert server.heard[-1] == b"(bye)"
+
+
 def run_stdlib_client(port: int, views: int = 1) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(EXAMPLES / "stdlib_client.py"), "blue", "3", "127.0.0.1", str(port), str(views)]
     return subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment(), check=False)

@@ -1,4 +1,4 @@
-"""A mirror is changed while programs of both teams are connected: at one frame for all, and no frame is lost."""
+"""Changes while programs of both teams are connected, mirror and match: at one frame for all, and no frame is lost."""
 
 import os
 import socket
@@ -14,13 +14,24 @@ from app.web.configuration.configuration import Configuration
 from app.web.configuration.keys import setting
 from app.web.storage.document import Document
 from tests.app.fake_service import FakeService, Scene
+from vision_core.clock import Instant
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.net.udp import open_server_sockets
 from vision_core.protocol.answers import decode_message
 from vision_core.protocol.encoding import encode
-from vision_core.protocol.messages import Init, MirrorQuery, MirrorReply, See, WarningReply
+from vision_core.protocol.messages import (
+    ErrorReply,
+    Init,
+    MirrorQuery,
+    MirrorReply,
+    MonitorInit,
+    MonitorReply,
+    See,
+    WarningReply,
+)
 from vision_core.protocol.options import Options
+from vision_core.protocol.proofs import Proof
 from vision_core.rtdb import records
 from vision_core.scheduling.attachment import Attachment, ChildResources
 from vision_core.scheduling.handle import Handle
@@ -85,13 +96,14 @@ class Rig:
         self.told: dict[tuple[Team, int], list[object]] = {}
         """What each program heard before the last frame's view."""
 
+    def begin_match(self, admitted: list[str]) -> None:
+        """Match mode, with these addresses admitted."""
+        wanted = {setting("match.mode"): "match", setting("admission.subnets"): admitted}
+        self.configuration.change(wanted, who="Ada", what="match")
+
     def frame(self) -> dict[tuple[Team, int], See]:
         """What every program is sent for a frame in which all robots stand where they stood before."""
-        self.number += 1
-        now = self.service.clock.now()
-        sightings = Sightings("main", self.number, now, now, tuple(self._robots()), (), complete=True)
-        self.service.put(records.sightings("main"), sightings, now)
-        assert self.task.serve_newest(Release(now, now)).ran
+        now = self.sight()
         views = {}
         for program in self.programs:
             *self.told[program.team, program.number], see = program.received()
@@ -99,6 +111,15 @@ class Rig:
             assert see.time_us == (now - self.service.boot) // 1000
             views[program.team, program.number] = see
         return views
+
+    def sight(self) -> Instant:
+        """Serve a frame; returns its grab."""
+        self.number += 1
+        now = self.service.clock.now()
+        sightings = Sightings("main", self.number, now, now, tuple(self._robots()), (), complete=True)
+        self.service.put(records.sightings("main"), sightings, now)
+        assert self.task.serve_newest(Release(now, now)).ran
+        return now
 
     def mirrors_told(self) -> dict[tuple[Team, int], Mirror]:
         """What every program is answered when it asks for its mirror."""
@@ -184,6 +205,33 @@ def test_a_match_takes_away_the_mirror_that_a_program_asked_for(rig: Rig) -> Non
     rig.task.receive()
     assert len(asking.received()) == 1
     assert {robot for robot, view in edges(rig.frame()).items() if view != before[robot]} == {(Team.BLUE, 3)}
-    rig.configuration.change({setting("match.mode"): "match"}, who="Ada", what="match")
+    rig.begin_match(admitted=["127.0.0.1"])
     assert edges(rig.frame()) == before
     assert rig.told[asking.team, asking.number] == [WarningReply("fixed_by_match")]
+
+
+def test_in_a_match_nobody_is_admitted_for_being_on_this_computer(rig: Rig) -> None:
+    rig.frame()
+    rig.begin_match(admitted=[])
+    rig.sight()
+    assert [program.received() for program in rig.programs] == [[ErrorReply("not_admitted")]] * len(ROBOTS)
+
+
+def test_a_monitor_is_sent_the_whole_field_and_in_a_match_no_longer(rig: Rig) -> None:
+    with _socket() as monitor:
+        program = Program(Team.BLUE, 0, monitor)
+        monitor.sendto(encode(MonitorInit()), rig.address)
+        rig.task.receive()
+        (challenge,) = program.received()
+        monitor.sendto(encode(MonitorInit(Proof(challenge.cookie))), rig.address)
+        rig.task.receive()
+        assert [type(message) for message in program.received()] == [MonitorReply]
+        views = rig.frame()
+        (shown,) = program.received()
+        assert {(robot.team, robot.number) for robot in shown.robots} == set(ROBOTS)
+        assert {see.time_us // 1000 for see in views.values()} == {shown.time_us // 1000}
+        blue_1 = next(robot for robot in shown.robots if (robot.team, robot.number) == (Team.BLUE, 1))
+        assert (blue_1.x_mm, blue_1.y_mm) == (-350, -600)
+        rig.begin_match(admitted=["127.0.0.1"])
+        rig.frame()
+        assert program.received() == [ErrorReply("not_admitted")]

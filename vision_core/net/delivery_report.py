@@ -75,6 +75,7 @@ class DeliveryReport:
             lag_median_ms=statistics.median(lags_s) * MS_PER_S,
             lag_max_ms=lags_s[-1] * MS_PER_S,
             refused=self._refusals.recent(now),
+            monitors=tuple(f"{peer.host}:{peer.port}" for peer in (one.peer for one in server.sessions.monitors)),
             revision=revision,
         )
 

@@ -249,6 +249,12 @@ class UdpServer:
         last = Instant(int(rows[order[count - 1]]["sent_at"])) if count else None
         return SendSummary(count, last, tuple(events))
 
+    def show(self, datagram: bytes) -> None:
+        """Send the field to every monitor."""
+        for monitor in self.sessions.monitors:
+            ended = datagram + (b"\0" if monitor.nul else b"")
+            self._shared[monitor.endpoint.port].send(ended, monitor.peer, monitor.endpoint.local)
+
     def apply_events(self, events: Iterable[Event]) -> list[Event]:
         """Open, move and close sockets and send replies, in order; returns these events and those that followed."""
         happened: list[Event] = []

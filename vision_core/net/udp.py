@@ -182,7 +182,7 @@ class SessionSocket:
         """The socket's descriptor."""
         return self.socket.fileno()
 
-    def stay_local(self, local: bool) -> None:  # noqa: FBT001 (a switch)
+    def stay_local(self, local: bool) -> None:
         """Let datagrams end at the first router, or not."""
         hops = 1 if local else DEFAULT_HOPS
         if self.socket.family == socket.AF_INET6:

@@ -15,6 +15,8 @@ from vision_core.protocol.messages import (
     Hear,
     InitReply,
     MirrorReply,
+    MonitorFacts,
+    MonitorReply,
     Ok,
     Ping,
     Pong,
@@ -26,6 +28,7 @@ from vision_core.protocol.messages import (
 )
 from vision_core.protocol.options import mirror_from_words
 from vision_core.protocol.s_expressions import SPACE, Form, parse_forms, real
+from vision_core.protocol.show import decode_show
 from vision_core.protocol.words import NAME, TIME, long_integer, number_of, team_of, time_us
 
 MAX_ANSWER = 2048
@@ -146,6 +149,20 @@ def _facts(pairs: Sequence[str | Form]) -> SessionFacts | None:
         return None
 
 
+def _monitor_reply(words: Sequence[str | Form]) -> MonitorReply | None:
+    mode = _name(words)
+    pairs = {str(pair[0]): pair[1:] for pair in words[1:] if isinstance(pair, tuple) and pair}
+    try:
+        (version,), (clock_ns,) = (map(_long, pairs[name]) for name in ("version", "clock"))
+        (lease_s,), (period_ms,) = (map(_real, pairs[name]) for name in ("lease", "period"))
+        length_mm, width_mm = map(_real, pairs["field"])
+        boot, venue = str(pairs["boot"][0]), str(pairs["venue"][0])
+    except (KeyError, ValueError, IndexError):
+        return None
+    facts = MonitorFacts(version, lease_s, period_ms, clock_ns, boot, venue, (length_mm, width_mm))
+    return MonitorReply(mode, facts) if mode else None
+
+
 def _real(word: str | Form) -> float:
     number = real(word)
     if number is None:
@@ -163,6 +180,8 @@ def _long(word: str | Form) -> int:
 DECODERS: Mapping[str, Callable[[Sequence[str | Form]], ServerMessage | None]] = MappingProxyType(
     {
         "init": _init,
+        "dispinit": _monitor_reply,
+        "show": decode_show,
         "challenge": _challenge,
         "mirror": _mirror_reply,
         "hear": _hear,

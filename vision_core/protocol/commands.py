@@ -19,6 +19,7 @@ from vision_core.protocol.messages import (
     InvalidCommand,
     LagReport,
     MirrorQuery,
+    MonitorInit,
     Ping,
     Reconnect,
     Request,
@@ -33,7 +34,7 @@ from vision_core.types.objects import Team
 
 MAX_COMMAND = 1024
 """Longer datagrams of clients are dropped without being read [bytes]."""
-SERVER_WORDS = frozenset({b"see", b"hear", b"error", b"warning", b"ok", b"challenge", b"pong"})
+SERVER_WORDS = frozenset({b"see", b"show", b"hear", b"error", b"warning", b"ok", b"challenge", b"pong"})
 """First words of a server's messages. A server does not answer them."""
 
 _HEAD = re.compile(rb"\(\s*+([A-Za-z_]*+)")
@@ -64,10 +65,10 @@ def decode_commands(datagram: bytes) -> Request | None:
 def _is_reply(form: Form) -> bool:
     """Is it a server's answer to a command of the same name?
 
-    ``(init blue 3 play_on)``, ``(mirror 4.0 0.01 9e4)``, ``(sync 7 1 2 3)``.
+    ``(init blue 3 play_on)``, ``(dispinit play_on)``, ``(mirror 4.0 0.01 9e4)``, ``(sync 7 1 2 3)``.
     """
     match form:
-        case ("init", _, _, mode, *_):
+        case ("init", _, _, mode, *_) | ("dispinit", mode, *_):
             return mode in PLAY_MODES
         case ("mirror", _, _, *_, last):
             return real(last) is not None
@@ -118,6 +119,13 @@ def _reconnect(parts: Sequence[str | Form]) -> Command:
     if proof is None or not proof.key or forms:
         return InvalidCommand(ErrorCode.ILLEGAL_OPTION)
     return Reconnect(*robot, proof)
+
+
+def _monitor_init(parts: Sequence[str | Form]) -> Command:
+    proof, forms = _proof(parts)
+    if proof is None or any(not isinstance(form, tuple) or form[:1] != ("version",) for form in forms):
+        return InvalidCommand(ErrorCode.ILLEGAL_OPTION)
+    return MonitorInit(proof)
 
 
 def _proof(forms: Sequence[str | Form]) -> tuple[Proof | None, Sequence[str | Form]]:
@@ -193,6 +201,7 @@ COMMANDS: Mapping[str, Callable[[Sequence[str | Form]], Command]] = MappingProxy
     {
         "init": _init,
         "reconnect": _reconnect,
+        "dispinit": _monitor_init,
         "bye": _bye,
         "set": _set,
         "ping": _ping,

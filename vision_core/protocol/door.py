@@ -4,13 +4,15 @@ Strangers, whose address is not admitted, share one small budget. They get at mo
 than three times the datagram, and leave nothing behind but a line in a bounded table.
 """
 
+from typing import TypeAlias
+
 from vision_core.clock import Instant
 from vision_core.errors import SettingsError
 from vision_core.models.mirror import check_span
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.events import Event, Sender, answer, refusal
 from vision_core.protocol.lifecycle import Peer
-from vision_core.protocol.messages import Challenge, ErrorReply, Init, Reconnect, Request
+from vision_core.protocol.messages import Challenge, ErrorReply, Init, MonitorInit, Reconnect, Request
 from vision_core.protocol.options import Options
 from vision_core.protocol.proofs import Cookies, holds_key
 from vision_core.protocol.rate_limits import (
@@ -30,6 +32,9 @@ ALL_INITS_RATE = Rate(100.0, 100)
 """Inits of all addresses; a session that repeats its init is not counted."""
 STRANGER_RATE = Rate(50.0, 50)
 """Datagrams of addresses that are not admitted: as many are read, the others are dropped unread."""
+
+Opening: TypeAlias = Init | Reconnect | MonitorInit
+"""A command of a client that has nothing yet; it may bring a proof."""
 
 
 class Door:
@@ -56,7 +61,7 @@ class Door:
         """Is there a place in the budget of all inits?"""
         return self._inits.take(self._limiters.of(sender.peer.host), sender.now)
 
-    def challenge(self, command: Init | Reconnect, nul: bool, sender: Sender) -> list[Event]:
+    def challenge(self, command: Opening, nul: bool, sender: Sender) -> list[Event]:
         """The cookie that a client has to return; nothing if it has returned one, or speaks version 1."""
         if isinstance(command, Init) and command.options.version == 1:
             return []
@@ -65,15 +70,23 @@ class Door:
             return []
         return [answer(Challenge(self._cookies.make(peer.host, peer.port, now)), nul, peer, sender.endpoint)]
 
-    def holds_key(self, command: Init | Reconnect) -> bool:
-        """Does a command bring its team's key? A client of version 1 proves no address, so its key is not read."""
+    def holds_key(self, command: Opening) -> bool:
+        """Does a command bring the key that it needs, its team's or the monitors'?
+
+        A client of version 1 proves no address, so its key is not read.
+        """
         if isinstance(command, Init) and command.options.version == 1:
             return False
-        return holds_key(command.proof.key, self.rules.keys.get(command.team))
+        digest = self.rules.monitor_key if isinstance(command, MonitorInit) else self.rules.keys.get(command.team)
+        return holds_key(command.proof.key, digest)
 
     def admits(self, init: Init, peer: Peer, *, has_key: bool) -> bool:
         """May this address have this robot?"""
         return has_key or self.rules.admission.admits_as(peer.host, init.team, init.number)
+
+    def admits_monitor(self, peer: Peer, *, has_key: bool) -> bool:
+        """May this address see the whole field? In a match only with the referee's key."""
+        return has_key or (self.rules.fixed is None and self.rules.admission.admits(peer.host))
 
     def refuses(self, init: Init, peer: Peer, *, has_key: bool) -> ErrorCode | None:
         """Why a client may not have what it asks for; None: it may."""

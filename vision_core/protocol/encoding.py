@@ -11,6 +11,9 @@ from vision_core.protocol.messages import (
     LagReport,
     MirrorQuery,
     MirrorReply,
+    MonitorFacts,
+    MonitorInit,
+    MonitorReply,
     Ok,
     Ping,
     Pong,
@@ -27,8 +30,12 @@ from vision_core.protocol.proofs import Proof
 from vision_core.protocol.s_expressions import Form
 from vision_core.types.objects import Team
 
-ClientMessage = Init | Reconnect | Bye | Set | Ping | Sync | LagReport | MirrorQuery
-Answer = InitReply | Challenge | MirrorReply | Hear | Pong | SyncReply | Ok | ErrorReply | WarningReply
+ClientMessage = Init | Reconnect | MonitorInit | Bye | Set | Ping | Sync | LagReport | MirrorQuery
+Answer = InitReply | MonitorReply | Challenge | MirrorReply | Hear | Pong | SyncReply | Ok | ErrorReply | WarningReply
+
+
+Opening = Init | Reconnect | MonitorInit
+"""Commands that may bring a proof."""
 
 
 def encode(message: ClientMessage | Answer) -> bytes:
@@ -39,10 +46,8 @@ def encode(message: ClientMessage | Answer) -> bytes:
 
 def _command_words(message: ClientMessage) -> tuple[str, ...]:
     match message:
-        case Init(team, number, options):
-            return "init", str(team), str(number), encode_options(options), *_proof_words(message.proof)
-        case Reconnect(team, number, proof):
-            return "reconnect", str(team), str(number), *_proof_words(proof)
+        case Init() | Reconnect() | MonitorInit():
+            return *_opening_words(message), *_proof_words(message.proof)
         case Bye(team, number):
             return "bye", *_robot_words(team, number)
         case Set(forms, team, number):
@@ -57,6 +62,16 @@ def _command_words(message: ClientMessage) -> tuple[str, ...]:
             return "mirror", *_robot_words(team, number)
 
 
+def _opening_words(message: Opening) -> tuple[str, ...]:
+    match message:
+        case Init(team, number, options):
+            return "init", str(team), str(number), encode_options(options)
+        case Reconnect(team, number):
+            return "reconnect", str(team), str(number)
+        case MonitorInit():
+            return ("dispinit",)
+
+
 def _answer_words(message: Answer) -> tuple[str, ...]:
     match message:
         case Pong(number):
@@ -65,16 +80,24 @@ def _answer_words(message: Answer) -> tuple[str, ...]:
             return "sync", str(number), str(t1_ns), str(t2_ns), str(t3_ns)
         case MirrorReply(mirror, team, number):
             return "mirror", *_robot_words(team, number), encode_mirror(mirror)
-        case InitReply(team, number, mode, facts):
-            return "init", str(team), str(number), mode, *(_pairs(facts) if facts else ())
+        case InitReply() | MonitorReply():
+            return _opened_words(message)
         case Challenge(cookie):
             return "challenge", cookie
         case Hear(time_us, sender, words):
-            return "hear", _time(time_us, "ms"), sender, *words
+            return "hear", time_word(time_us, "ms"), sender, *words
         case Ok(name):
             return "ok", name
         case ErrorReply(name) | WarningReply(name):
             return "error" if isinstance(message, ErrorReply) else "warning", name
+
+
+def _opened_words(message: InitReply | MonitorReply) -> tuple[str, ...]:
+    match message:
+        case InitReply(team, number, mode, facts):
+            return "init", str(team), str(number), mode, *(_pairs(facts) if facts else ())
+        case MonitorReply(mode, facts):
+            return "dispinit", mode, *_monitor_pairs(facts)
 
 
 def encode_see(see: See, time: str = "ms") -> bytes:
@@ -82,7 +105,7 @@ def encode_see(see: See, time: str = "ms") -> bytes:
     ball = see.ball
     extras = "".join(f" (({name}){''.join(f' {word}' for word in words)})" for name, words in see.extras.items())
     return b"(see %s ((edge) %s) ((ball) %d %d %d)%s)" % (
-        _time(see.time_us, time).encode("ascii"),
+        time_word(see.time_us, time).encode("ascii"),
         see.edges,
         ball.px,
         ball.direction_deg,
@@ -91,7 +114,8 @@ def encode_see(see: See, time: str = "ms") -> bytes:
     )
 
 
-def _time(time_us: int, unit: str) -> str:
+def time_word(time_us: int, unit: str = "ms") -> str:
+    """Time as it is printed, with three (ms) or six (us) decimals."""
     seconds, us = divmod(time_us, US_PER_S)
     return f"{seconds}.{us // US_PER_MS:03d}" if unit == "ms" else f"{seconds}.{us:06d}"
 
@@ -114,7 +138,7 @@ def _proof_words(proof: Proof) -> tuple[str, ...]:
 
 def _lag_words(lag: LagReport) -> tuple[str, ...]:
     client = "-" if lag.client_s is None else f"{lag.client_s * MS_PER_S:.3f}"
-    return _time(lag.time_us, "us"), f"{lag.hold_s * MS_PER_S:.3f}", client
+    return time_word(lag.time_us, "us"), f"{lag.hold_s * MS_PER_S:.3f}", client
 
 
 def _pairs(facts: SessionFacts) -> tuple[str, ...]:
@@ -130,6 +154,19 @@ def _pairs(facts: SessionFacts) -> tuple[str, ...]:
         f"(fov {facts.fov_deg:g} {facts.center_deg:g})",
         f"(resolution {facts.resolution_deg:g})",
         f"(types {facts.types})",
+        f"(clock {facts.clock_ns})",
+        f"(boot {facts.boot})",
+        f"(venue {facts.venue})",
+        f"(field {length_mm:g} {width_mm:g})",
+    )
+
+
+def _monitor_pairs(facts: MonitorFacts) -> tuple[str, ...]:
+    length_mm, width_mm = facts.field_mm
+    return (
+        f"(version {facts.version})",
+        f"(lease {facts.lease_s:g})",
+        f"(period {facts.period_ms:g})",
         f"(clock {facts.clock_ns})",
         f"(boot {facts.boot})",
         f"(venue {facts.venue})",

@@ -84,6 +84,13 @@ class Reconnect:
 
 
 @dataclass(frozen=True, slots=True)
+class MonitorInit:
+    """``(dispinit)``: a program asks for the whole field. SoccerServer's word."""
+
+    proof: Proof = field(default=NO_PROOF, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Set:
     """``(set (rate 10))``, or ``(set blue 3 (rate 10))``: a client changes options of its session."""
 
@@ -118,7 +125,7 @@ class InvalidCommand:
 
 RobotCommand: TypeAlias = Bye | LagReport | MirrorQuery | Set
 """A command about one session; from a socket with several robots it names the robot."""
-Command: TypeAlias = Init | Reconnect | RobotCommand | Ping | Sync | InvalidCommand
+Command: TypeAlias = Init | Reconnect | MonitorInit | RobotCommand | Ping | Sync | InvalidCommand
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,6 +175,27 @@ class SessionFacts:
     venue: str
     field_mm: tuple[float, float]
     """Length and width between the lines."""
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorReply:
+    """``(dispinit play_on {pair})``: the monitor is sent the field with every frame."""
+
+    mode: str
+    facts: "MonitorFacts"
+
+
+@dataclass(frozen=True, slots=True)
+class MonitorFacts:
+    """What a monitor is told, as pairs of the answer to ``dispinit``. As in ``SessionFacts``."""
+
+    version: int
+    lease_s: float
+    period_ms: float
+    clock_ns: int
+    boot: str
+    venue: str
+    field_mm: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,6 +311,62 @@ class See:
         return self.time_us / US_PER_S
 
 
+@dataclass(frozen=True, slots=True)
+class ShownBall:
+    """The ball on the field: origin at the center, x towards the right goal, y to the left of it. mm, mm/s."""
+
+    x_mm: float
+    y_mm: float
+    vx_mm_s: float
+    vy_mm_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ShownRobot:
+    """A robot on the field, as ``ShownBall``; its heading anticlockwise from x [degrees]."""
+
+    team: Team
+    number: int | None
+    """None: its marker's id is no robot's, or could not be read."""
+    x_mm: float
+    y_mm: float
+    heading_deg: float | None
+    """None: not known."""
+    vx_mm_s: float
+    vy_mm_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ShownObstacle:
+    """A thing of robot size that is no robot."""
+
+    x_mm: float
+    y_mm: float
+    radius_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Show:
+    """``(show Time {thing})``: the whole field at the grab of an image, for a monitor."""
+
+    time_us: int
+    ball: ShownBall | None
+    robots: tuple[ShownRobot, ...]
+    obstacles: tuple[ShownObstacle, ...]
+
+
 ServerMessage: TypeAlias = (
-    InitReply | Challenge | MirrorReply | See | Hear | Ping | Pong | SyncReply | Ok | ErrorReply | WarningReply
+    InitReply
+    | MonitorReply
+    | Show
+    | Challenge
+    | MirrorReply
+    | See
+    | Hear
+    | Ping
+    | Pong
+    | SyncReply
+    | Ok
+    | ErrorReply
+    | WarningReply
 )

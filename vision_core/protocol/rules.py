@@ -50,6 +50,8 @@ class SessionRules:
     """The match gives all robots these types, fields of view, resolution and rate; None: clients choose."""
     keys: Mapping[Team, str] = field(default_factory=dict)
     """The digest of each team's key: see ``proofs``."""
+    monitor_key: str | None = None
+    """The digest of the monitors' key; None: there is none."""
 
     def granted(self, asked: Options) -> Options:
         """What a client gets of what it asks for. In a match no team has a better eye than the other."""

@@ -43,6 +43,7 @@ from vision_core.protocol.messages import (
     LagReport,
     MirrorQuery,
     MirrorReply,
+    MonitorInit,
     Ok,
     Ping,
     Pong,
@@ -53,6 +54,7 @@ from vision_core.protocol.messages import (
     Sync,
     WarningReply,
 )
+from vision_core.protocol.monitors import Monitors
 from vision_core.protocol.options import encode_mirror, options_from_forms
 from vision_core.protocol.proofs import NO_PROOF
 from vision_core.protocol.rate_limits import (
@@ -80,7 +82,7 @@ LIMITED_ERRORS = frozenset(
     }
 )
 """Errors that one sender is told at most once in 5 s. The others, about an init, it is told each time."""
-SNAPSHOT = 3
+SNAPSHOT = 4
 """Version of the form of a snapshot."""
 
 
@@ -106,6 +108,7 @@ class Sessions:
         self.counts = DatagramCounts()
         self._by_robot: dict[tuple[Team, int], Session] = {}
         self._door = Door(rules)
+        self.monitors = Monitors(self._door)
 
     @property
     def rules(self) -> SessionRules:
@@ -126,11 +129,12 @@ class Sessions:
         if len(datagram) > MAX_COMMAND:
             self.counts.ignored += 1
             return []
-        owned = self._owned_by(peer)
-        if not owned and not self.rules.admission.admits(peer.host):
+        owned, monitor = self._owned_by(peer), self.monitors.get(peer)
+        known = owned[0] if owned else monitor
+        if known is None and not self.rules.admission.admits(peer.host):
             return self._turn_away(datagram, Sender(peer, endpoint, now, now))
-        limiter = owned[0].limiter if owned else self._door.limiter(peer.host)
-        if not self._door.lets_in(limiter, now, known=bool(owned)):
+        limiter = known.limiter if known else self._door.limiter(peer.host)
+        if not self._door.lets_in(limiter, now, known=known is not None):
             self.counts.limited += 1
             return []
         request = decode_commands(datagram)
@@ -142,6 +146,8 @@ class Sessions:
             if endpoint.port is Port.SESSION:
                 session.inits = 0
                 session.step(SessionTrigger.SPOKE)
+        if monitor is not None:
+            monitor.heard = now
         return self._dispatch_all(request, limiter, Sender(peer, endpoint, now, arrived or now))
 
     def refused(self, session: Session, now: Instant) -> list[Event]:
@@ -157,7 +163,7 @@ class Sessions:
         """Go on with other rules of the same boot; mode: of the play. Sessions that they do not allow end."""
         before, mode_before = self.rules, self.mode
         self._door.rules, self.mode = rules, mode
-        events: list[Event] = []
+        events = self.monitors.recheck(key_changed=rules.monitor_key != before.monitor_key)
         for session in self:
             mirror, was_fixed, granted = before.mirror_of(session), before.fixes(session), session.options
             session.options = rules.granted(session.init.options)
@@ -177,8 +183,10 @@ class Sessions:
         return events + (self.tell(mode, now) if mode != mode_before else [])
 
     def tell(self, word: str, now: Instant) -> list[Event]:
-        """Tell every session of version 2 a word of the referee: a play mode, ``vision_lost``, ``vision_back``."""
-        return [self._hear(session, now, "referee", word) for session in self if session.version > 1]
+        """Tell every session of version 2, and every monitor, a word of the referee: a play mode, ``vision_lost``,
+        ``vision_back``."""
+        heard = [self._hear(session, now, "referee", word) for session in self if session.version > 1]
+        return [*heard, *self.monitors.tell(self._heard(now, "referee", word))]
 
     def end(self, session: Session, why: ErrorCode, now: Instant) -> list[Event]:
         """End a session and tell its client why."""
@@ -190,7 +198,8 @@ class Sessions:
         return [*self.close(session, now), full, refusal(ErrorCode.SERVER_FULL, session.peer, session.init)]
 
     def expire(self, now: Instant) -> list[Event]:
-        """End the sessions whose client has sent nothing for the lease, and decide the claims to robots."""
+        """End sessions and monitors that have sent nothing for the lease, and decide the claims to robots."""
+        self.monitors.expire(now)
         events: list[Event] = []
         for session in self:
             if seconds_between(session.heard, now) > self.rules.lease_of(session):
@@ -202,7 +211,8 @@ class Sessions:
     def snapshot(self) -> bytes:
         """All sessions as JSON in one line, for ``restore`` in another process."""
         sessions = [session.to_plain() for session in self]
-        return json.dumps({"snapshot": SNAPSHOT, "boot": self.rules.boot, "sessions": sessions}).encode("ascii")
+        plain = {"snapshot": SNAPSHOT, "boot": self.rules.boot, "sessions": sessions}
+        return json.dumps({**plain, "monitors": self.monitors.to_plain()}).encode("ascii")
 
     @staticmethod
     def restore(rules: SessionRules, snapshot: bytes) -> "Sessions":
@@ -216,6 +226,7 @@ class Sessions:
                 session = Session.from_plain(one)
                 session.options = rules.granted(session.init.options)
                 restored._by_robot[session.team, session.number] = session
+            restored.monitors.restore(plain["monitors"])
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"not a snapshot of sessions: {error!r}") from None
         return restored
@@ -235,7 +246,7 @@ class Sessions:
             self.counts.ignored += 1
             return []
         command = request.commands[0]
-        if isinstance(command, (Init, Reconnect)) and command.proof.key:
+        if isinstance(command, Init | Reconnect | MonitorInit) and command.proof.key:
             challenge = self._door.challenge(command, request.nul, sender)
             if challenge or self._door.holds_key(command):
                 one = Request((command,), request.nul)
@@ -267,6 +278,10 @@ class Sessions:
                 return self._init(command, nul, sender)
             case Reconnect():
                 return self._reconnect(command, nul, sender)
+            case MonitorInit():
+                return self.monitors.open(command, nul, sender, self.mode)
+            case Bye(None) if not self._owned_by(sender.peer) and self.monitors.close(sender.peer):
+                return []
             case Ping(number):
                 return [answer(Pong(number), nul, sender.peer, sender.endpoint)]
             case Sync():
@@ -431,7 +446,10 @@ class Sessions:
         return [WarningReply(name) for name in names]
 
     def _hear(self, session: Session, now: Instant, sender: str, *words: str) -> Reply:
-        return reply_to(session, Hear((now - self.rules.boot) // NS_PER_US, sender, words))
+        return reply_to(session, self._heard(now, sender, *words))
+
+    def _heard(self, now: Instant, sender: str, *words: str) -> Hear:
+        return Hear((now - self.rules.boot) // NS_PER_US, sender, words)
 
 
 def _name_of(command: Command) -> str:

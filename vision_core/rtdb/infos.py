@@ -150,6 +150,8 @@ class Serving:
     lag_max_ms: float
     refused: tuple[RefusedRequest, ...]
     """Recent requests that were refused, newest last."""
+    monitors: tuple[str, ...] = ()
+    """Addresses of the programs that are sent the whole field."""
     revision: int = 0
     """Of the live settings in effect."""
 
@@ -270,6 +272,8 @@ class LiveSettings:
     ended: tuple[EndedSession, ...] = ()
     keys: dict[str, str] = field(default_factory=dict)
     """The digest of the key of the team that plays blue or yellow; a team without a key is left out."""
+    monitor_key: str | None = None
+    """The digest of the key with which a monitor sees the field during a match; None: there is none."""
     fairness_asked: Instant = NEVER
     """When the operator last asked for a new record of fairness."""
 

@@ -17,13 +17,16 @@ from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.events import Event, Reply, RequestRefused
 from vision_core.protocol.session import Sessions
+from vision_core.protocol.show import encode_show
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import EndedSession
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, Release, StepResult
+from vision_core.settings.schema import Settings
 from vision_core.tasks.fairness_keeper import FairnessKeeper
 from vision_core.tasks.session_rules import RuleBook
 from vision_core.tracks.tracker import Tracker
+from vision_core.types.objects import Team
 from vision_core.types.tables import SightingsTable, Table, WorldTable, obstacle_table
 
 PUBLISH_EVERY_S = 0.5
@@ -65,6 +68,7 @@ class ServeTask:
         self._published_at: Instant | None = None
         self._live = handle.reader(records.LIVE_SETTINGS)
         self._live_sequence = 0
+        self._numbers = _numbers(handle.settings)
         self._revision = 0
         self._ended: tuple[EndedSession, ...] = ()
         self._seen_at: Instant | None = self._clock.now()
@@ -92,6 +96,7 @@ class ServeTask:
             self._note(self.server.tell("vision_back"))
         self._seen_at = self._clock.now()
         self._write_records(world, reading.measured)
+        self._show(world)
         self._report.note_frame(reading.measured, summary)
         self._note(summary.events)
         self._save_sessions()
@@ -124,6 +129,11 @@ class ServeTask:
         self._world.write(world.bytes, grabbed_at, now)
         self._views.write(self._encoder.views.bytes, grabbed_at, now)
 
+    def _show(self, world: WorldTable) -> None:
+        """Send the whole field to the monitors, after the robots have their views."""
+        if self.server.sessions.monitors:
+            self.server.show(encode_show(world.record(), self._handle.attachment.boot, self._numbers))
+
     def _apply_live_settings(self, at: Instant) -> None:
         """Take over what was changed on the page since the last frame. Sessions, ports and Time stay.
 
@@ -138,8 +148,11 @@ class ServeTask:
         self._live_sequence, live = reading.sequence, reading.value
         settings = live.over(self._handle.settings)
         self._encoder = ViewEncoder(settings, self._handle.attachment.boot)
+        self._numbers = _numbers(settings)
         self._tracker.configure(settings.tracks, settings.robots)
-        events = self.server.apply(self._book.rules(settings, live.keys), settings.match.play_mode, at)
+        events = self.server.apply(
+            self._book.rules(settings, live.keys, live.monitor_key), settings.match.play_mode, at
+        )
         for ended in live.ended:
             if ended not in self._ended:
                 events += self.server.end(ended.team, ended.number, ended.since)
@@ -172,6 +185,13 @@ class _ObstacleReader:
             self._sequence = reading.sequence
             self._newest = obstacle_table(reading.value.obstacles), reading.measured
         return self._newest
+
+
+def _numbers(settings: Settings) -> dict[tuple[Team, int | None], int]:
+    """The number of each robot that may have one, by team and marker id."""
+    match = settings.match
+    ids = {Team.BLUE: match.blue_ids, Team.YELLOW: match.yellow_ids}
+    return {(team, ids[team][number - 1]): number for team in Team for number in range(1, match.numbers + 1)}
 
 
 def _restored_server(handle: Handle, book: RuleBook) -> UdpServer:

@@ -31,8 +31,10 @@ class RuleBook:
         self.sockets = adopted(sockets["main"]), adopted(sockets["session"])
         """The bound sockets of the main and the session port."""
 
-    def rules(self, settings: Settings, keys: Mapping[str, str] = NO_KEYS) -> SessionRules:
-        """keys: the digest of each team's key, by team."""
+    def rules(
+        self, settings: Settings, keys: Mapping[str, str] = NO_KEYS, monitor_key: str | None = None
+    ) -> SessionRules:
+        """keys: the digest of each team's key, by team. monitor_key: that of the monitors'."""
         return SessionRules(
             boot=self._handle.attachment.boot,
             numbers=settings.match.numbers,
@@ -43,6 +45,7 @@ class RuleBook:
             facts=self._facts(settings),
             fixed=_fixed(settings.match.views) if settings.match.fixes_views else None,
             keys={Team(team): digest for team, digest in keys.items()},
+            monitor_key=monitor_key,
         )
 
     def _facts(self, settings: Settings) -> ServerFacts:

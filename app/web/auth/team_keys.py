@@ -1,9 +1,15 @@
-"""The teams' keys: with its own a team opens its page. Only their hashes are kept, and nothing logs them."""
+"""The teams' keys: with its own a team opens its page and connects its robots; and the monitors' key.
+
+Only their hashes are kept, and nothing logs them.
+"""
 
 import time
 
 from app.web.auth.hashing import digest, is_same, new_secret
 from app.web.auth.people_file import PeopleFile
+
+MONITORS = "*monitors"
+"""Stands in place of a team for the key with which a monitor sees the field during a match; no team is called so."""
 
 
 class TeamKeys:
@@ -35,4 +41,4 @@ class TeamKeys:
         """The team whose key this is; None: nobody's."""
         computed = digest(key)
         row = self._file.row("SELECT team, hash FROM team_keys WHERE hash = ?", computed)
-        return str(row[0]) if row and is_same(row[1], computed) else None
+        return str(row[0]) if row and is_same(row[1], computed) and row[0] != MONITORS else None

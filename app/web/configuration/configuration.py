@@ -13,6 +13,7 @@ from typing import Any
 
 from msgspec import to_builtins
 
+from app.web.auth.team_keys import MONITORS
 from app.web.configuration.keys import ADMISSION, plays, setting
 from app.web.configuration.live_record import LivePublisher
 from app.web.configuration.overlay import has_ended, overlay_from
@@ -199,10 +200,11 @@ class Configuration:
         self.publish()
 
     def publish(self) -> None:
-        """Tell the processes what holds now; to be called as well when a team has a new key."""
+        """Tell the processes what holds now; to be called as well when a key is new."""
         slugs = {color.value: self._entries.get(plays(color)) for color in Team}
         keys = {color: digest for color, slug in slugs.items() if slug and (digest := self._key_digest(slug))}
-        self._publisher.publish(self.settings, self._service.settings, self.revision, keys)
+        monitor_key = self._key_digest(MONITORS)
+        self._publisher.publish(self.settings, self._service.settings, self.revision, keys, monitor_key)
 
 
 def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:

@@ -34,11 +34,13 @@ class LivePublisher:
         """A new record of fairness is to begin; ``publish`` tells it."""
         self._fairness_asked = self._clock.now()
 
-    def publish(self, settings: Settings, started: Settings, revision: int, keys: Mapping[str, str]) -> None:
+    def publish(
+        self, settings: Settings, started: Settings, revision: int, keys: Mapping[str, str], monitor_key: str | None
+    ) -> None:
         """Write what can be applied at once.
 
         started: the settings with which the service was started; keys: the digest of the key of the team that plays
-        each color.
+        each color; monitor_key: that of the monitors' key.
         """
         now = self._clock.now()
         overrides = _overrides(settings.tasks, started.tasks)
@@ -46,6 +48,7 @@ class LivePublisher:
             LiveSettings.of(settings, revision, overrides),
             ended=self._ended,
             keys=dict(keys),
+            monitor_key=monitor_key,
             fairness_asked=self._fairness_asked,
         )
         if live != self._published:

@@ -35,7 +35,7 @@ class TeamRequest(TeamEntry):
 
 
 class NewKey(Report):
-    """A team's key; it is told only once."""
+    """A key; it is told only once."""
 
     key: str
 

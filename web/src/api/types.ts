@@ -19,6 +19,7 @@ export type Log = Schemas["LogReport"];
 export type Histogram = Schemas["Histogram"];
 export type Team = Schemas["TeamReport"];
 export type TeamRequest = Schemas["TeamRequest"];
+export type Monitors = Schemas["MonitorsReport"];
 export type Match = Schemas["MatchReport"];
 export type Setting = Schemas["SettingReport"];
 export type Settings = Schemas["SettingsReport"];
