@@ -5,6 +5,7 @@ the middles of these bins, which are 3 % wide.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 
 import numpy as np
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily
@@ -100,6 +101,10 @@ def _clients(snapshot: ServiceSnapshot) -> Iterator[Metric]:
     for team in Team:
         connected.add_metric([team], sum(client.team is team for client in served))
     yield connected
+    datagrams = CounterMetricFamily("pslv_datagrams", "Datagrams of clients and strangers", labels=["fate"])
+    for fate, count in asdict(serving.value.datagrams).items() if serving else ():
+        datagrams.add_metric([fate], count)
+    yield datagrams
 
 
 def _tasks(snapshot: ServiceSnapshot) -> Iterator[Metric]:

@@ -416,7 +416,7 @@ def test_closing_lets_go_of_everything_but_the_two_sockets(stadium: Stadium) -> 
         stadium.serve()
         stadium.server.close()
         client.recv(2000)
-        client.sendto(b"later", stadium.session.getsockname())
+        client.sendto(b"(see later", stadium.session.getsockname())
         stadium.start(Sessions(stadium.rules))
         assert stadium.serve() == []
         assert stadium.server.sessions.counts.received == 1

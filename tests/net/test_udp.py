@@ -103,7 +103,7 @@ def test_ipv4_clients_of_an_ipv6_wildcard(client: socket.socket) -> None:
     except ServiceError:
         pytest.skip("this machine has no IPv6")
     with main, session:
-        client.sendto(b"x", ("127.0.0.1", main.getsockname()[1]))
+        client.sendto(b"(x", ("127.0.0.1", main.getsockname()[1]))
         datagram = received(SharedSocket(main))
         assert isinstance(datagram, Datagram)
         own = SharedSocket(session).open_session(datagram.local, datagram.peer)
@@ -118,13 +118,13 @@ def test_the_kernel_routes_each_client_to_its_own_socket(
     session = ports[1]
     own = SharedSocket(session).open_session("127.0.0.1", peer_of(client))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.sendto(b"stranger", session.getsockname())
-        client.sendto(b"client", session.getsockname())
+        stranger.sendto(b"(stranger", session.getsockname())
+        client.sendto(b"(client", session.getsockname())
         mine, rest = received(own), received(SharedSocket(session))
     assert isinstance(mine, Datagram)
     assert isinstance(rest, Datagram)
-    assert (mine.data, mine.peer) == (b"client", peer_of(client))
-    assert rest.data == b"stranger"
+    assert (mine.data, mine.peer) == (b"(client", peer_of(client))
+    assert rest.data == b"(stranger"
     assert own.receive() is None
     own.close()
 
@@ -138,7 +138,7 @@ def test_a_stranger_who_slips_in_between_bind_and_connect_keeps_his_name(
 
         class Slow(socket.socket):
             def connect(self, address: object) -> None:
-                stranger.sendto(b"now", self.getsockname())
+                stranger.sendto(b"(now", self.getsockname())
                 time.sleep(0.01)
                 super().connect(address)  # type: ignore[arg-type]
 

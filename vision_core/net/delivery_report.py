@@ -7,6 +7,7 @@ view; B, of the network, and C, of the client, as far as clients report them.
 import statistics
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import replace
 
 from vision_core.clock import MS_PER_S, NS_PER_MS, Instant, seconds_between
 from vision_core.models.mirror import Mirror
@@ -76,6 +77,7 @@ class DeliveryReport:
             lag_max_ms=lags_s[-1] * MS_PER_S,
             refused=self._refusals.recent(now),
             monitors=tuple(f"{peer.host}:{peer.port}" for peer in (one.peer for one in server.sessions.monitors)),
+            datagrams=replace(server.sessions.counts, dropped_by_kernel=server.dropped_by_kernel),
             revision=revision,
         )
 

@@ -159,6 +159,11 @@ class UdpServer:
         row: Table = self._table.rows[self._in_table.index(session)]
         return row
 
+    @property
+    def dropped_by_kernel(self) -> int:
+        """Datagrams to the shared sockets that never reached us: no commands, or a full buffer."""
+        return sum(shared.dropped for shared in self._shared.values())
+
     def handle_readable(self) -> list[Event]:
         """Receive at most 64 datagrams and answer them; returns what happened."""
         happened: list[Event] = []

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from vision_core.arrival_stamps import STAMP_SPACE, age_ns, stamp_arrivals
 from vision_core.errors import ServiceError
+from vision_core.net.kernel_filter import attach_filter, dropped
 
 Address: TypeAlias = tuple[str, int, int]
 """Host, port, and the scope of an IPv6 link-local address (0 elsewhere)."""
@@ -112,6 +113,11 @@ class SharedSocket:
         except OSError:
             return SendResult.DROPPED
         return SendResult.SENT
+
+    @property
+    def dropped(self) -> int:
+        """Datagrams that the kernel has dropped: see ``kernel_filter``."""
+        return dropped(self._socket)
 
     def open_session(self, local: str, peer: Address) -> "SessionSocket":
         """A socket on the same port that is connected to a client. local: our address that the client knows.
@@ -225,6 +231,7 @@ def _open_shared(host: str, port: int) -> socket.socket:
         _report_local_address(opened)
         _request_low_delay(opened)
         stamp_arrivals(opened)
+        attach_filter(opened)
         opened.bind(sockaddr)
     except OSError as error:
         opened.close()

@@ -7,7 +7,7 @@ closes the sockets of sessions, and sends the replies.
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from vision_core.clock import NS_PER_US, Instant, seconds_between
 from vision_core.protocol.commands import MAX_COMMAND, decode_commands
@@ -62,6 +62,7 @@ from vision_core.protocol.rate_limits import (
     RateLimiter,
 )
 from vision_core.protocol.rules import SessionRules
+from vision_core.types.datagrams import DatagramCounts
 from vision_core.types.objects import Team
 
 UNHEARD_INITS = 3
@@ -84,19 +85,6 @@ LIMITED_ERRORS = frozenset(
 """Errors that one sender is told at most once in 5 s. The others, about an init, it is told each time."""
 SNAPSHOT = 4
 """Version of the form of a snapshot."""
-
-
-@dataclass(slots=True)
-class DatagramCounts:
-    """Datagrams since the start."""
-
-    received: int = 0
-    ignored: int = 0
-    """Too long, without a command, or a message of a server."""
-    limited: int = 0
-    """Over a rate limit, and dropped unread."""
-    turned_away: int = 0
-    """From addresses that are not admitted."""
 
 
 class Sessions:

@@ -22,6 +22,7 @@ from vision_core.settings.schema import (
     TrackSettings,
     ViewSettings,
 )
+from vision_core.types.datagrams import DatagramCounts
 from vision_core.types.objects import Team
 
 
@@ -152,6 +153,7 @@ class Serving:
     """Recent requests that were refused, newest last."""
     monitors: tuple[str, ...] = ()
     """Addresses of the programs that are sent the whole field."""
+    datagrams: DatagramCounts = field(default_factory=DatagramCounts)
     revision: int = 0
     """Of the live settings in effect."""
 

@@ -1,6 +1,7 @@
 """The connected robot programs, and how late their views are."""
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from statistics import median
 
 from app.web.blackboard import ServiceSnapshot
@@ -45,6 +46,20 @@ class ClientReport(Report):
     """In effect: that which it asked for, or that of its team."""
 
 
+class DatagramReport(Report):
+    """What became of the datagrams that came since the task that serves was started."""
+
+    received: int
+    ignored: int
+    """Without a command, or messages of a server."""
+    limited: int
+    """Over a rate limit, and dropped unread."""
+    turned_away: int
+    """From addresses that are not admitted."""
+    dropped_by_kernel: int
+    """Never received: they could not be a command, or came while the buffer was full."""
+
+
 class LagSummary(Report):
     """One part of the lag over the last frames."""
 
@@ -86,6 +101,12 @@ def clients_from(snapshot: ServiceSnapshot) -> list[ClientReport]:
         )
         for client in (serving.value.clients if serving else ())
     ]
+
+
+def datagrams_from(snapshot: ServiceSnapshot) -> DatagramReport | None:
+    """The counts of the serving task; None while it does not report."""
+    serving = snapshot.recent(records.SERVING)
+    return DatagramReport(**asdict(serving.value.datagrams)) if serving else None
 
 
 def lags_from(snapshot: ServiceSnapshot) -> Lags:

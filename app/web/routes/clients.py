@@ -15,7 +15,7 @@ from app.web.configuration.keys import ADMISSION, REFUSAL
 from app.web.problems import REFUSED, RequestRefused
 from app.web.reports.base import Report
 from app.web.reports.changes import ChangeReport
-from app.web.reports.clients import ClientReport, clients_from
+from app.web.reports.clients import ClientReport, DatagramReport, clients_from, datagrams_from
 from app.web.reports.waiting import WaitingReport, waiting_from
 from app.web.routes.change import change
 from vision_core.rtdb import records
@@ -56,6 +56,8 @@ class Clients(Report):
     admitted_by_files: list[str]
     """Subnets that the settings files admit."""
     refused: list[RefusalReport]
+    datagrams: DatagramReport | None
+    """null: the task that serves does not report."""
 
 
 class Admission(Report):
@@ -103,6 +105,7 @@ def client_routes(blackboard: Blackboard, configuration: Configuration) -> APIRo
                 for key, entry in entries.items()
                 if key.startswith(REFUSAL)
             ],
+            datagrams=datagrams_from(snapshot),
         )
 
     @router.post("/admissions", responses=REFUSED, status_code=HTTPStatus.CREATED)

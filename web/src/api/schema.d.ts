@@ -2553,6 +2553,8 @@ export interface components {
             admitted_by_files: string[];
             /** Connected */
             connected: components["schemas"]["ClientReport"][];
+            /** @description null: the task that serves does not report. */
+            datagrams: components["schemas"]["DatagramReport"] | null;
             /** Refused */
             refused: components["schemas"]["RefusalReport"][];
             /** Revision */
@@ -2707,6 +2709,34 @@ export interface components {
             r_mm: number;
             /** R Px */
             r_px: number;
+        };
+        /**
+         * DatagramReport
+         * @description What became of the datagrams that came since the task that serves was started.
+         */
+        DatagramReport: {
+            /**
+             * Dropped By Kernel
+             * @description Never received: they could not be a command, or came while the buffer was full.
+             */
+            dropped_by_kernel: number;
+            /**
+             * Ignored
+             * @description Without a command, or messages of a server.
+             */
+            ignored: number;
+            /**
+             * Limited
+             * @description Over a rate limit, and dropped unread.
+             */
+            limited: number;
+            /** Received */
+            received: number;
+            /**
+             * Turned Away
+             * @description From addresses that are not admitted.
+             */
+            turned_away: number;
         };
         /**
          * DifferenceReport
