@@ -35,7 +35,7 @@ def test_live_keys(key: str, live: bool) -> None:
 
 
 def test_the_record_has_every_live_section() -> None:
-    fields = set(LiveSettings.__slots__) - {"revision", "tasks", "ended", "adapt", "keys"}
+    fields = set(LiveSettings.__slots__) - {"revision", "tasks", "ended", "adapt", "keys", "monitor_key"}
     assert fields == set(LIVE) <= set(Settings.__struct_fields__)
 
 
