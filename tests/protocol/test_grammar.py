@@ -41,6 +41,8 @@ LEXICAL = {
     "name": Lexical("[a-z_]{1,39}", ("seq", "illegal_form", "later")),
     "word": Lexical("[!-'*-~]+", ("1234", "20306.153210", "partial")),
     "edges": Lexical("(?:[!-'*-~][0-9a-f]{2})+", ("w2c", "w2cx5a-ff", "-ff" * 448)),
+    "mm": Lexical("-?[0-9]+", ("0", "-35", "1200")),
+    "heading": Lexical(f"-|{REAL}", ("-", "90.0", "-179.9")),
     "distance": Lexical("-1|[0-9]{1,3}", ("-1", "0", "61", "254")),
     "direction": Lexical("[0-9]{1,3}", ("0", "121", "359")),
     "size": Lexical("[0-9]{1,3}", ("0", "3", "360")),

@@ -36,6 +36,7 @@ def test_a_monitor_is_told_its_facts_after_it_has_proven_its_address() -> None:
     (granted,) = open_monitor(server)
     reply = decode_message(granted)
     assert isinstance(reply, MonitorReply)
+    assert reply.facts is not None
     assert (reply.mode, reply.facts.boot, reply.facts.venue) == ("play_on", f"{BOOT:x}", "default")
     assert [monitor.peer for monitor in server.sessions.monitors] == [CLIENT]
     assert len(server.sessions) == 0

@@ -38,7 +38,7 @@ def test_every_command_and_every_option_has_a_vector() -> None:
     commands = [command for vector in OF_CLIENTS for command in vector.get("commands", ())]
     assert {command["form"] for command in commands} == set(COMMANDS)
     robots = {command["form"] for command in commands if "team" in command}
-    assert robots == set(COMMANDS) - {"ping", "sync"}
+    assert robots == set(COMMANDS) - {"ping", "sync", "dispinit"}
     assert option_names("commands") >= {*OPTION_PARSERS, "cookie", "key"}
     assert option_names("error") >= {*OPTION_PARSERS, "cookie", "key"}
 
@@ -60,7 +60,7 @@ def test_every_mistake_that_can_be_read_from_a_datagram_has_a_vector() -> None:
 def test_every_silence_has_a_vector() -> None:
     silent = [datagram_of(vector) for vector in OF_CLIENTS if "answer" in vector]
     heads = {datagram[1:].split(b" ")[0].rstrip(b")") for datagram in silent if datagram.startswith(b"(")}
-    assert heads >= SERVER_WORDS | {b"init", b"mirror", b"sync"}
+    assert heads >= SERVER_WORDS | {b"init", b"dispinit", b"mirror", b"sync"}
     assert any(len(datagram) == MAX_COMMAND + 1 for datagram in silent)
 
 

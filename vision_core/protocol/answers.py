@@ -151,16 +151,20 @@ def _facts(pairs: Sequence[str | Form]) -> SessionFacts | None:
 
 def _monitor_reply(words: Sequence[str | Form]) -> MonitorReply | None:
     mode = _name(words)
-    pairs = {str(pair[0]): pair[1:] for pair in words[1:] if isinstance(pair, tuple) and pair}
+    return MonitorReply(mode, _monitor_facts(words[1:])) if mode else None
+
+
+def _monitor_facts(pairs: Sequence[str | Form]) -> MonitorFacts | None:
+    """The facts of an answer to dispinit; None when one is missing."""
+    words = {str(pair[0]): pair[1:] for pair in pairs if isinstance(pair, tuple) and pair}
     try:
-        (version,), (clock_ns,) = (map(_long, pairs[name]) for name in ("version", "clock"))
-        (lease_s,), (period_ms,) = (map(_real, pairs[name]) for name in ("lease", "period"))
-        length_mm, width_mm = map(_real, pairs["field"])
-        boot, venue = str(pairs["boot"][0]), str(pairs["venue"][0])
+        (version,), (clock_ns,) = (map(_long, words[name]) for name in ("version", "clock"))
+        (lease_s,), (period_ms,) = (map(_real, words[name]) for name in ("lease", "period"))
+        length_mm, width_mm = map(_real, words["field"])
+        boot, venue = str(words["boot"][0]), str(words["venue"][0])
     except (KeyError, ValueError, IndexError):
         return None
-    facts = MonitorFacts(version, lease_s, period_ms, clock_ns, boot, venue, (length_mm, width_mm))
-    return MonitorReply(mode, facts) if mode else None
+    return MonitorFacts(version, lease_s, period_ms, clock_ns, boot, venue, (length_mm, width_mm))
 
 
 def _real(word: str | Form) -> float:

@@ -123,9 +123,12 @@ def _reconnect(parts: Sequence[str | Form]) -> Command:
 
 def _monitor_init(parts: Sequence[str | Form]) -> Command:
     proof, forms = _proof(parts)
-    if proof is None or any(not isinstance(form, tuple) or form[:1] != ("version",) for form in forms):
-        return InvalidCommand(ErrorCode.ILLEGAL_OPTION)
-    return MonitorInit(proof)
+    match forms:
+        case _ if proof is None:
+            return InvalidCommand(ErrorCode.ILLEGAL_OPTION)
+        case [] | [("version", _)]:
+            return MonitorInit(proof)
+    return InvalidCommand(ErrorCode.ILLEGAL_OPTION)
 
 
 def _proof(forms: Sequence[str | Form]) -> tuple[Proof | None, Sequence[str | Form]]:

@@ -97,7 +97,7 @@ def _opened_words(message: InitReply | MonitorReply) -> tuple[str, ...]:
         case InitReply(team, number, mode, facts):
             return "init", str(team), str(number), mode, *(_pairs(facts) if facts else ())
         case MonitorReply(mode, facts):
-            return "dispinit", mode, *_monitor_pairs(facts)
+            return "dispinit", mode, *(_monitor_pairs(facts) if facts else ())
 
 
 def encode_see(see: See, time: str = "ms") -> bytes:

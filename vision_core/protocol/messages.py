@@ -182,7 +182,8 @@ class MonitorReply:
     """``(dispinit play_on {pair})``: the monitor is sent the field with every frame."""
 
     mode: str
-    facts: "MonitorFacts"
+    facts: "MonitorFacts | None" = None
+    """None: one is missing, as none is in the answers of this server."""
 
 
 @dataclass(frozen=True, slots=True)
