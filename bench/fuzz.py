@@ -148,7 +148,8 @@ class Target:
         gc.collect()
         names = {field.name for field in fields(Session)} - {"limiter", "claim", "unreachable"}
         pairs = zip(sessions, restored, strict=True)
-        self.found.unlike += any(getattr(one, name) != getattr(other, name) for one, other in pairs for name in names)
+        unlike = any(getattr(one, name) != getattr(other, name) for one, other in pairs for name in names)
+        self.found.unlike += unlike or self._sessions.monitors.to_plain() != restored.monitors.to_plain()
 
 
 def run(datagrams: int = DATAGRAMS) -> list[Row]:

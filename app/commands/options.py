@@ -1,5 +1,6 @@
 """Options that several commands have."""
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -35,9 +36,9 @@ def scope_from(text: str) -> "tuple[Team | None, int | None]":
 
 def robot_of(text: str) -> tuple["Team", int]:
     """Team and number from --robot blue:1. Raises SettingsError."""
-    from vision_core.types.objects import Team
-
-    team, _, number = text.partition(":")
-    if team not in list(Team) or not number.isdecimal():
+    team = number = None
+    with contextlib.suppress(SettingsError):
+        team, number = scope_from(text)
+    if team is None or number is None:
         raise SettingsError("--robot", found=text, accepted="team and number: blue:1")
-    return Team(team), int(number)
+    return team, number

@@ -20,7 +20,7 @@ from vision_core.pipeline import view_encoder as module
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.protocol.answers import decode_message
 from vision_core.protocol.edge_codes import edge_codes
-from vision_core.protocol.messages import See
+from vision_core.protocol.messages import HIDDEN, See
 from vision_core.protocol.options import EXTRAS, MAX_DATAGRAM, PAPER_OPTIONS, Options, options_from_forms
 from vision_core.protocol.see import reference_ball, reference_px, reference_see
 from vision_core.settings.schema import MirrorConstants
@@ -55,18 +55,19 @@ def reference(table: WorldTable, client: Client, encoder: ViewEncoder = ENCODER)
     view = encoder.renderer.view(table, client.team, client.number)
     if view is None:
         return None
-    extras = {name: words for name, words in extras_of(table, view).items() if name in client.options.extras}
+    extras = {name: words for name, words in extras_of(table, view, client).items() if name in client.options.extras}
     return reference_see(view, client.options, MIRROR, CODES, BOOT, nul=client.nul, extras=extras)
 
 
-def extras_of(table: WorldTable, view: RobotView) -> dict[str, tuple[str, ...]]:
+def extras_of(table: WorldTable, view: RobotView, client: Client) -> dict[str, tuple[str, ...]]:
     """Every extra of a view that is written when its image was grabbed, from the world's track of its robot."""
     robots = table.record().robots
     marker = (SETTINGS.match.blue_ids if view.team is Team.BLUE else SETTINGS.match.yellow_ids)[view.number - 1]
     own = next(one for one in robots if (one.team, one.id) == (view.team, marker))
+    is_told = reference_ball(view.ball, client.options, client.options.mirror or MIRROR) != HIDDEN
     flags = {
         "overlap": view.overlap,
-        "partial": view.ball is not None and view.ball.partial,
+        "partial": is_told and view.ball is not None and view.ball.partial,
         "predicted": own.seen < view.at,
     }
     us = (view.at - BOOT) // 1000

@@ -147,7 +147,8 @@ def write_see(
     end = _write_number(direction, text, end + 1)
     end = _write_number(size, text, end + 1)
     text[end] = CLOSE  # in place of the space behind the size
-    end = _write_extras(moment, viewer, track, request, text, end + 1)
+    is_partial = distance >= 0 and viewer.ball_visible < 1.0
+    end = _write_extras(moment, viewer, track, request, is_partial, text, end + 1)
     text[end] = CLOSE
     end += 1
     if request.nul:
@@ -157,8 +158,13 @@ def write_see(
 
 
 @kernel
-def _write_extras(moment: Moment, viewer: Row, track: Track, request: Row, text: Bytes, at: int) -> int:
-    """Write what the client asked for beyond the paper's message; returns the place behind it."""
+def _write_extras(
+    moment: Moment, viewer: Row, track: Track, request: Row, is_partial: bool, text: Bytes, at: int
+) -> int:
+    """Write what the client asked for beyond the paper's message; returns the place behind it.
+
+    is_partial: a part of the ball that the client is told of is hidden.
+    """
     extras = request.extras
     if extras & SEQ:
         at = _close(text, _write_long(moment.frame, text, _open(SEQ_HEAD, text, at)))
@@ -176,7 +182,7 @@ def _write_extras(moment: Moment, viewer: Row, track: Track, request: Row, text:
             at = _copy(NOPOSE, text, at)
         else:
             at = _copy(OVERLAP, text, at) if viewer.overlap else at
-            at = _copy(PARTIAL, text, at) if 0.0 < viewer.ball_visible < 1.0 else at
+            at = _copy(PARTIAL, text, at) if is_partial else at
             at = _copy(PREDICTED, text, at) if track.predicted else at
         at = _close(text, at)
     return at
