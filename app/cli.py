@@ -18,6 +18,7 @@ from app.commands.compile import compile_command
 from app.commands.config import config_app
 from app.commands.detect import detect
 from app.commands.examination import check, check_client, conformance
+from app.commands.fairness import fairness
 from app.commands.fidelity import fidelity
 from app.commands.onboard import onboard_app
 from app.commands.people import passwd, token
@@ -49,6 +50,7 @@ for command in (
     selftest,
     detect,
     evaluate.evaluate,
+    fairness,
     fidelity,
     bench,
     support_bundle,

@@ -8,6 +8,8 @@ Accuracy against the ground truth of the simulated camera: ``accuracy`` of the p
 
 Cost of the pipeline's stages: ``segmentation``, ``loop`` (all stages), ``views``, ``udp_send``, ``growing``.
 
+Impartiality: ``fairness``, and ``send_stamps`` (what its stamps cost).
+
 Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA paper's experiment, with ``cambada``),
 ``activation``, ``handover``, ``dashboards``, ``gc_pauses``.
 
@@ -16,7 +18,7 @@ Clocks: ``clock_sync`` (with ``clock_paths``).
 The whole service: ``clients``, ``light`` (with ``true_world``), ``faults`` (with ``fault_targets`` and ``shutdown``).
 
 Shared parts: ``calibration_views`` renders the pictures of random cameras, ``service`` starts the real service,
-``pictures`` gives it a fast camera, ``load`` keeps all cores busy, ``charts`` draws histograms. Helper processes run
-beside a measurement (``helpers``): ``receiver`` is all clients, ``pages`` all web pages, ``record_timestamps`` and
-``freshness`` read the database, ``stall_detector`` shows when the machine stood still.
+``pictures`` gives it a fast camera, ``load`` keeps all cores busy. Helper processes run beside a measurement
+(``helpers``): ``receiver`` is all clients, ``pages`` all web pages, ``record_timestamps`` and ``freshness`` read the
+database, ``stall_detector`` shows when the machine stood still.
 """

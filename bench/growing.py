@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
+from app.web.charts.panels import BLUE, Panel, Series, draw_panels
 from bench.accuracy import settings_of
-from bench.charts import BLUE, Panel, Series, draw_panels
 from bench.region_growing.region import (
     color_of_classes,
     color_of_seed,

@@ -21,7 +21,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from bench.charts import BLUE, ORANGE, Panel, Series, draw_panels
+from app.web.charts.panels import BLUE, ORANGE, Panel, Series, draw_panels
 from bench.helpers import Helper, with_progress
 from bench.runner import OUT, Row
 from bench.service import RunningService, attached_service

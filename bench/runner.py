@@ -15,7 +15,8 @@ from typing import Any
 Row = dict[str, Any]
 
 BENCHMARKS = (
-    *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "growing", "torn_reads"),
+    *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "send_stamps"),
+    *("growing", "torn_reads", "fairness"),
     *(
         "scheduling",
         "activation",

@@ -19,6 +19,8 @@ from app.web.configuration.configuration import Configuration
 from app.web.configuration.housekeeping import keep_house
 from app.web.configuration.task_changes import TaskChanges
 from app.web.connections import OperatorAddresses
+from app.web.fairness.keeper import FairnessKeeper
+from app.web.fairness.kept import KeptReports
 from app.web.health.log import watch_health
 from app.web.health.monitor import HealthMonitor
 from app.web.heartbeat import keep_beating, own_line
@@ -33,6 +35,7 @@ from app.web.problems import install_problems
 from app.web.routes.api import api_routes
 from app.web.routes.calibration import calibration_routes
 from app.web.routes.clients import client_routes
+from app.web.routes.fairness import fairness_routes
 from app.web.routes.health import health_routes
 from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
@@ -77,6 +80,8 @@ def create_app(store: Store) -> FastAPI:
     messages = LiveMessages(blackboard, monitor, configuration, overlays)
     live = Live(blackboard, messages, configuration, metrics)
     view3d = View3D(blackboard, configuration)
+    kept = KeptReports(Path(service.database))
+    fairness_keeper = FairnessKeeper(blackboard, kept)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -87,10 +92,12 @@ def create_app(store: Store) -> FastAPI:
                 group.create_task(live.run()),
                 group.create_task(view3d.run()),
                 group.create_task(keep_house(configuration)),
+                group.create_task(fairness_keeper.run()),
             )
             yield
             for each in background:
                 each.cancel()
+        fairness_keeper.keep_running()
         configuration.document.close()
         people.close()
 
@@ -124,6 +131,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(team_routes(configuration, people.team_keys))
     app.include_router(monitor_routes(blackboard, configuration, people.team_keys))
     app.include_router(match_routes(configuration))
+    app.include_router(fairness_routes(blackboard, configuration, kept))
     app.include_router(mirror_routes(configuration))
     app.include_router(login_routes(people, configuration))
     app.include_router(people_routes(people))

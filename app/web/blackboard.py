@@ -21,6 +21,8 @@ from vision_core.rtdb.slots import READ_TRIES, SlotReader, SlotView
 from vision_core.rtdb.store import Store
 from vision_core.rtdb.task import Task
 from vision_core.timing.histogram import Counts, decode
+from vision_core.types.fairness import fairness_from
+from vision_core.types.tables import Table
 
 T = TypeVar("T")
 TASK_PREFIX = "task/"
@@ -110,6 +112,8 @@ class Blackboard:
         self._tasks = {name: records.task(name).reader(store) for name in self.task_names}
         self._timings = {name: store.reader(records.timing(name).name) for name in self.task_names}
         self._lags = store.reader(records.LAG_HISTOGRAMS.name)
+        self._fairness = store.reader(records.FAIRNESS_RECORD.name)
+        self._fairness_ended = store.reader(records.FAIRNESS_ENDED.name)
         self._log = LOG.reader(store)
 
     def now(self) -> Instant:
@@ -138,6 +142,26 @@ class Blackboard:
             tasks={name: timed for name, timed in tasks.items() if timed is not None},
             lags=_counts(self._lags, LAGS, now),
         )
+
+    def fairness(self) -> Table | None:
+        """The record of fairness that goes on, a row of FAIRNESS; None before the first."""
+        return self._fairness_of(self._fairness)
+
+    def fairness_ended(self) -> Table | None:
+        """The record of fairness that has ended last; None before the first."""
+        return self._fairness_of(self._fairness_ended)
+
+    @property
+    def fairness_ended_number(self) -> int:
+        """How many records of fairness have ended."""
+        return self._fairness_ended.sequence
+
+    def _fairness_of(self, reader: SlotReader) -> Table | None:
+        reading = reader.read(self.now())
+        if reading is None:
+            return None
+        row: Table = fairness_from(reading.value)[0]
+        return row
 
     def log(self) -> ServiceLog:
         """What the processes have printed. It is large, so ``read`` omits it."""

@@ -5,9 +5,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from app.web.charts.panels import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
 from bench.cambada.paper import TASKS
 from bench.cambada.results import Loop, Modular, execution_ms, intervals_ms, spread_of
-from bench.charts import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
 from vision_core.geometry import Bytes, Floats
 from vision_core.native.opencv import Color
 

@@ -30,6 +30,7 @@ from tests.app.fake_tasks import (
     Condition,
     adapted,
     clients_of,
+    fairness_of_a_match,
     findings,
     lags_of,
     process_infos,
@@ -194,6 +195,7 @@ class FakeService:
         )
         self.put(records.SERVING, Serving(clients, 12.4, 19.8, ()))
         self._put_bytes(records.LAG_HISTOGRAMS.name, lags_of(self.scene.condition))
+        self._put_bytes(records.FAIRNESS_RECORD.name, fairness_of_a_match())
 
     def start(self) -> None:
         """Write thirty times a second, until ``stop``."""

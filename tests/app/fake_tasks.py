@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.app.web.fairness.simulated import record_of
 from vision_core.clock import NS_PER_MS, Instant, after
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.rtdb import records
@@ -40,6 +41,12 @@ RATE_HZ = 30.0
 FRAME_MS = 1e3 / RATE_HZ
 SPARES = ("spare-1", "spare-2")
 COUNTED = 600
+
+
+@cache
+def fairness_of_a_match() -> bytes:
+    """The record ``fairness``: of a match of some seconds."""
+    return record_of(600).tobytes()
 
 
 def refusals(priority: int) -> tuple[Refusal, Refusal]:

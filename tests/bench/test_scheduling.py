@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.web.charts.panels import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
 from bench.cambada.activation_log import Rows
 from bench.cambada.paper import LOOPS, TASKS
 from bench.cambada.picture import draw
 from bench.cambada.results import Loop, Modular, execution_rows, intervals_ms, skipped_of, spread_of, table_1, table_3
-from bench.charts import BLUE, ORANGE, Panel, Series, counts_of, draw_panels
 from bench.clients import StallDetectors
 from bench.load import full_load
 from bench.scheduling import stall_test

@@ -29,6 +29,7 @@ PAGES = {
     "/mirror": "Mirror",
     "/settings": "Settings",
     "/timing": "Timing",
+    "/fairness": "Fairness",
     "/logs": "Logs",
     "/about": "About",
     "/login": "Log in",

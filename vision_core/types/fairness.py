@@ -64,8 +64,8 @@ def fairness_from(memory: bytes) -> Table:
     return np.frombuffer(memory, dtype=FAIRNESS, count=1)
 
 
-def places_of(robot: Table, count: int) -> Table:
-    """How often a robot had each place in frames with so many datagrams, shape (count,). robot: a row of SERVED."""
+def places_of(robots: Table, count: int) -> Table:
+    """How often robots had each place in frames with so many datagrams. robots: SERVED, shape (...); (..., count)."""
     first = count * (count - 1) // 2
-    places: Table = robot["places"][first : first + count]
+    places: Table = robots["places"][..., first : first + count]
     return places

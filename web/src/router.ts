@@ -19,6 +19,7 @@ export function makeRouter(): Router {
     { path: "/3d", name: "3d", component: () => import("./pages/SpacePage.vue"), meta: { title: "3D" } },
     { path: "/settings", name: "settings", component: () => import("./pages/SettingsPage.vue"), meta: { title: "Settings" } },
     { path: "/timing", name: "timing", component: () => import("./pages/TimingPage.vue"), meta: { title: "Timing" } },
+    { path: "/fairness", name: "fairness", component: () => import("./pages/FairnessPage.vue"), meta: { title: "Fairness" } },
     { path: "/logs", name: "logs", component: () => import("./pages/LogsPage.vue"), meta: { title: "Logs" } },
     { path: "/about", name: "about", component: () => import("./pages/AboutPage.vue"), meta: { title: "About" } },
     { path: "/login", name: "login", component: () => import("./pages/LoginPage.vue"), meta: { title: "Log in" } },

@@ -27,6 +27,7 @@ ADDRESSES = (
     "/3d",
     "/settings",
     "/timing",
+    "/fairness",
     "/logs",
     "/about",
     "/login",

@@ -424,6 +424,107 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/fairness": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Fairness
+         * @description The impartiality report: places in the order of sending, lags and drops of each team and robot, and the
+         *     verdict. It is two seconds old at most.
+         */
+        get: operations["fairness_api_v1_fairness_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fairness.html": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Page
+         * @description The report as one file to read and print.
+         */
+        get: operations["page_api_v1_fairness_html_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fairness.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Picture
+         * @description Both teams' places and lags as a picture.
+         */
+        get: operations["picture_api_v1_fairness_png_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fairness/kept": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Kept Reports
+         * @description The reports of matches that were kept, the newest first.
+         */
+        get: operations["kept_reports_api_v1_fairness_kept_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/fairness/new": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Begin
+         * @description Ends the record that goes on, and begins a new one with the next frame.
+         */
+        post: operations["begin_api_v1_fairness_new_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/field": {
         parameters: {
             query?: never;
@@ -3003,6 +3104,30 @@ export interface components {
             white: number | null;
         };
         /**
+         * FairnessReport
+         * @description Whether both teams were served alike.
+         */
+        FairnessReport: {
+            lag: components["schemas"]["LagDifferenceReport"];
+            order: components["schemas"]["OrderReport"];
+            places: components["schemas"]["PlacesReport"];
+            /**
+             * Reasons
+             * @description In words, with the limits.
+             */
+            reasons: string[];
+            record: components["schemas"]["RecordReport"];
+            /**
+             * Robots
+             * @description That were sent a view at least once.
+             */
+            robots: components["schemas"]["RobotFairness"][];
+            /** Teams */
+            teams: components["schemas"]["TeamFairness"][];
+            /** @description impartial, biased, or not_proven: too few frames. */
+            verdict: components["schemas"]["Judgment"];
+        };
+        /**
          * Field
          * @description The field's geometry, and who wears which marker.
          *
@@ -3281,6 +3406,63 @@ export interface components {
          * @enum {string}
          */
         JobState: "none" | "running" | "done" | "failed" | "cancelled";
+        /**
+         * Judgment
+         * @description What a record shows.
+         * @enum {string}
+         */
+        Judgment: "impartial" | "not_proven" | "biased";
+        /**
+         * KeptReport
+         * @description A report that was kept.
+         */
+        KeptReport: {
+            /**
+             * Name
+             * @description To ask for it: ``?record=NAME``.
+             */
+            name: string;
+            /**
+             * Size
+             * @description Of its file [bytes].
+             */
+            size: number;
+        };
+        /**
+         * LagDifferenceReport
+         * @description Blue's mean lag minus yellow's, within the same frame.
+         */
+        LagDifferenceReport: {
+            /** Difference Us */
+            difference_us: number;
+            /**
+             * Error Us
+             * @description Its standard error; null without frames.
+             */
+            error_us: number | null;
+            /**
+             * Frames
+             * @description That were sent to both teams.
+             */
+            frames: number;
+            /**
+             * Limit
+             * @description The true share is at most so far away; null without frames.
+             */
+            limit: number | null;
+            /** P */
+            p: number;
+            /**
+             * Share
+             * @description The difference as a share of the spread.
+             */
+            share: number;
+            /**
+             * Spread Us
+             * @description Standard deviation of the lags of a frame's datagrams.
+             */
+            spread_us: number;
+        };
         /**
          * LagSummary
          * @description One part of the lag over the last frames.
@@ -4069,6 +4251,28 @@ export interface components {
             what: string;
         };
         /**
+         * OrderReport
+         * @description Whether one team is sent its views before the other: of all pairs of their datagrams in the same frame.
+         */
+        OrderReport: {
+            /**
+             * Blue First
+             * @description Share in which blue's was sent first; 0.5 is fair.
+             */
+            blue_first: number;
+            /**
+             * Limit
+             * @description A random order gives one half, and at most so much more or less; null without pairs.
+             */
+            limit: number | null;
+            /** P */
+            p: number;
+            /** Pairs */
+            pairs: number;
+            /** Z */
+            z: number;
+        };
+        /**
          * Override
          * @description Values that replace those of the settings while the service runs; null: the value of the settings.
          */
@@ -4235,6 +4439,23 @@ export interface components {
             robots: components["schemas"]["SeenRobotReport"][];
         };
         /**
+         * PlacesReport
+         * @description Chi-square of the teams' places in the order of sending.
+         */
+        PlacesReport: {
+            /** Chi Square */
+            chi_square: number;
+            /**
+             * Deviation
+             * @description The largest relative difference of a place's count from the expected one.
+             */
+            deviation: number;
+            /** Freedom */
+            freedom: number;
+            /** P */
+            p: number;
+        };
+        /**
          * PresetRequest
          * @description A field preset.
          */
@@ -4372,6 +4593,45 @@ export interface components {
             height_m?: number | null;
         };
         /**
+         * RecordReport
+         * @description What was recorded, and when.
+         */
+        RecordReport: {
+            /**
+             * Began S
+             * @description Seconds since 1970.
+             */
+            began_s: number;
+            /**
+             * Ended S
+             * @description null: it goes on.
+             */
+            ended_s: number | null;
+            /**
+             * Frames
+             * @description Frames of which at least one client was sent a view.
+             */
+            frames: number;
+            /** Is Match */
+            is_match: boolean;
+            /**
+             * Reason
+             * @description Why it began: nothing else was going on, a match began, or the operator asked for it.
+             * @enum {string}
+             */
+            reason: "practice" | "match" | "request";
+            /**
+             * Seed
+             * @description These digits: with them anybody can find the order of any frame again; null while the record goes on.
+             */
+            seed: string | null;
+            /**
+             * Seed Sha256
+             * @description SHA-256 of the 16 hexadecimal digits of the seed of the order of sending.
+             */
+            seed_sha256: string;
+        };
+        /**
          * RefusalReport
          * @description An address or subnet that is turned away.
          */
@@ -4459,6 +4719,53 @@ export interface components {
              * @description Radius of the circle, or half the side of the square [m].
              */
             radius_m: number;
+        };
+        /**
+         * RobotFairness
+         * @description How one robot was served, over all its sessions.
+         */
+        RobotFairness: {
+            /**
+             * Chi Square
+             * @description Of its places, against every place as often as any other.
+             */
+            chi_square: number;
+            /**
+             * Dropped
+             * @description Datagrams that the network refused.
+             */
+            dropped: number;
+            /** Freedom */
+            freedom: number;
+            /**
+             * Lag Mean Ms
+             * @description From the grab of the image until the datagram was sent; null without datagrams.
+             */
+            lag_mean_ms: number | null;
+            /** Lag P50 Ms */
+            lag_p50_ms: number | null;
+            /** Lag P99 Ms */
+            lag_p99_ms: number | null;
+            /**
+             * Mean Place
+             * @description Mean place in the order of sending, 0 first .. 1 last; 0.5 is fair.
+             */
+            mean_place: number;
+            /** Number */
+            number: number;
+            /**
+             * P
+             * @description Probability of such a chi-square in a random order, adjusted for the number of robots.
+             */
+            p: number;
+            /**
+             * Sent
+             * @description Datagrams.
+             */
+            sent: number;
+            /** Sessions */
+            sessions: number;
+            team: components["schemas"]["Team"];
         };
         /**
          * Role
@@ -4967,6 +5274,60 @@ export interface components {
          * @enum {string}
          */
         Team: "blue" | "yellow";
+        /**
+         * TeamFairness
+         * @description How one team was served.
+         */
+        TeamFairness: {
+            /**
+             * Dropped
+             * @description Datagrams that the network refused.
+             */
+            dropped: number;
+            /**
+             * Lag Bins
+             * @description Upper end [ms] and count of each bin of lags that is not empty.
+             */
+            lag_bins: [
+                number,
+                number
+            ][];
+            /**
+             * Lag Mean Ms
+             * @description From the grab of the image until the datagram was sent; null without datagrams.
+             */
+            lag_mean_ms: number | null;
+            /** Lag P50 Ms */
+            lag_p50_ms: number | null;
+            /** Lag P99 Ms */
+            lag_p99_ms: number | null;
+            /**
+             * Mean Place
+             * @description Mean place in the order of sending, 0 first .. 1 last; 0.5 is fair.
+             */
+            mean_place: number;
+            /**
+             * Name
+             * @description Of the team that played this color when the record began.
+             */
+            name: string;
+            /**
+             * Place Shares
+             * @description Shares of its datagrams in each tenth of the order of sending, first to last.
+             */
+            place_shares: number[];
+            /**
+             * Robots
+             * @description That were sent a view at least once.
+             */
+            robots: number;
+            /**
+             * Sent
+             * @description Datagrams.
+             */
+            sent: number;
+            team: components["schemas"]["Team"];
+        };
         /**
          * TeamReport
          * @description A registered team.
@@ -6744,6 +7105,241 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    fairness_api_v1_fairness_get: {
+        parameters: {
+            query?: {
+                /** @description A report that was kept; without it, the record that goes on. */
+                record?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FairnessReport"];
+                };
+            };
+            /** @description No report of this name was kept */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Nothing is recorded yet */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    page_api_v1_fairness_html_get: {
+        parameters: {
+            query?: {
+                /** @description A report that was kept; without it, the record that goes on. */
+                record?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The report */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": unknown;
+                };
+            };
+            /** @description No report of this name was kept */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Nothing is recorded yet */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    picture_api_v1_fairness_png_get: {
+        parameters: {
+            query?: {
+                /** @description A report that was kept; without it, the record that goes on. */
+                record?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The report */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
+            };
+            /** @description No report of this name was kept */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+            /** @description Nothing is recorded yet */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    kept_reports_api_v1_fairness_kept_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["KeptReport"][];
+                };
+            };
+        };
+    };
+    begin_api_v1_fairness_new_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
+                };
             };
             /** @description Nobody is logged in */
             401: {
