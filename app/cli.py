@@ -22,6 +22,7 @@ from app.commands.fairness import fairness
 from app.commands.fidelity import fidelity
 from app.commands.onboard import onboard_app
 from app.commands.people import passwd, token
+from app.commands.play import play
 from app.commands.restart import restart
 from app.commands.selftest import selftest
 from app.commands.serve import serve
@@ -54,6 +55,7 @@ for command in (
     fidelity,
     bench,
     support_bundle,
+    play,
 ):
     app.command()(command)
 for of_numpy_alone in (client, check, check_client, conformance):

@@ -1,40 +1,112 @@
-"""A robot's program with the client module: turn towards the ball and drive there, unless something is in the way.
+"""A controller that drives to the ball from behind, takes it to the other goal and kicks. It knows its views only.
 
-    python examples/chase_ball.py [TEAM NUMBER [HOST [PORT [VIEWS]]]]
+    pslv play --controller chase                                               # robots of both teams
+    python examples/chase_ball.py [TEAM NUMBER [HOST [PORT [VIEWS]]]]          # one robot
 
-It prints what it would tell the wheels. Angles grow anticlockwise from the robot's heading.
+Points are in the robot's own frame: x forward, y to the left.
 """
 
+import math
 import sys
 
 import numpy as np
 
-from vision_core.client import View, connect
+from vision_core.client import Drive, Options, Robot, View, connect
 
-BODY_MM = 90.0
-CLEAR_MM = 250.0
-AHEAD_DEG = 30.0
+GOALS = {"blue": "v", "yellow": "u"}
+"""The goal that each team attacks."""
+MATES = {"blue": "x", "yellow": "y"}
+BODIES = ("x", "y", "q")
+"""Robots of both teams, and things that are no robot."""
+SEARCH_RAD_S = 2.0
+HOLD_M = 0.03
+"""The ball is held when it is nearer to the robot's rim than this, in front."""
+AIM_RAD = 0.12
+BEHIND_M = 0.10
+SUPPORT_M = 0.55
+"""A robot whose mate is nearer to the ball stays so far from it."""
+LOOK_AHEAD_M = 0.4
 
 
-def command(view: View) -> str:
-    """What the robot does next."""
-    if view.ball.hidden:
-        return "turn left, looking for the ball"
-    turn_deg = (view.ball.direction_deg + 180) % 360 - 180
-    towards_ball = np.abs((view.directions_deg - view.ball.direction_deg + 180.0) % 360.0 - 180.0) < AHEAD_DEG
-    nearest_mm = view.mm[towards_ball].min()
-    if nearest_mm < min(CLEAR_MM, view.ball_mm):
-        return f"something {nearest_mm - BODY_MM:.0f} mm ahead: drive around it"
-    return f"turn {turn_deg:+d} deg, drive {view.ball_mm - BODY_MM:.0f} mm"
+class ChaseBall:
+    """Plays one robot."""
+
+    options = Options(types="team")
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._goal, self._mate = GOALS[robot.team], MATES[robot.team]
+
+    def decide(self, view: View) -> Drive:
+        """What the robot does next."""
+        ball, points = view.ball_m, view.points_m
+        if ball is None:
+            return Drive(turn_rad_s=SEARCH_RAD_S)
+        goal = middle(points[view.letters == self._goal])
+        distance, angle = math.hypot(*ball), math.atan2(ball[1], ball[0])
+        if distance < self._robot.radius_m + HOLD_M and abs(angle) < 0.5 and self._robot.limits.dribbler:
+            return self._play_ball(goal)
+        mates = points[view.letters == self._mate] - ball
+        if len(mates) and np.hypot(*mates.T).min() + self._robot.radius_m < distance - 0.1:
+            x, y = (part * (1.0 - SUPPORT_M / distance) for part in ball)
+        else:
+            x, y = self._behind(ball, goal)
+        x, y = self._around(x, y, points[np.isin(view.letters, BODIES)])
+        return self._robot.towards(x, y, angle, self._robot.limits.vx_m_s * 0.7)
+
+    def _play_ball(self, goal: tuple[float, float] | None) -> Drive:
+        """The ball is held: turn to the goal and kick, or look for the goal."""
+        if goal is None:
+            return Drive(0.2, 0.0, 1.2, dribble=True)
+        angle = math.atan2(goal[1], goal[0])
+        if abs(angle) < AIM_RAD:
+            return Drive(0.5, 0.0, 0.0, kick_m_s=self._robot.limits.kick_m_s * 0.7)
+        return Drive(0.1, 0.0, max(-2.5, min(2.5, 4.0 * angle)), dribble=True)
+
+    def _behind(self, ball: tuple[float, float], goal: tuple[float, float] | None) -> tuple[float, float]:
+        """Where to drive: to a point behind the ball as the goal sees it, then through the ball."""
+        if goal is None:
+            return ball
+        to_goal = np.subtract(goal, ball)
+        aim = to_goal / max(float(np.hypot(*to_goal)), 1e-6)
+        if float(np.dot(ball, aim)) > 0.85 * math.hypot(*ball):
+            return ball[0] + 0.1 * float(aim[0]), ball[1] + 0.1 * float(aim[1])
+        side = np.array([-aim[1], aim[0]])
+        target = ball - (self._robot.radius_m + BEHIND_M) * aim
+        if float(np.dot(ball, aim)) < 0.0:  # the robot is on the wrong side: go round the ball
+            target += math.copysign(2.0 * self._robot.radius_m, -float(np.dot(ball, side))) * side
+        return float(target[0]), float(target[1])
+
+    def _around(self, x: float, y: float, bodies: np.ndarray) -> tuple[float, float]:
+        """The target, or a point beside what stands in the way."""
+        distance = math.hypot(x, y)
+        if distance < 1e-6:
+            return x, y
+        along = np.array([x, y]) / distance
+        ahead, aside = bodies @ along, bodies @ np.array([-along[1], along[0]])
+        blocks = (ahead > 0.0) & (ahead < min(distance, LOOK_AHEAD_M)) & (np.abs(aside) < 1.3 * self._robot.radius_m)
+        if not blocks.any():
+            return x, y
+        turn = math.copysign(0.9, -float(aside[blocks].mean()))
+        c, s = math.cos(turn), math.sin(turn)
+        return c * x - s * y, s * x + c * y
+
+
+def middle(points: np.ndarray) -> tuple[float, float] | None:
+    """The middle of some points; None when there is none."""
+    return (float(points[:, 0].mean()), float(points[:, 1].mean())) if len(points) else None
 
 
 def main(
-    team: str = "blue", number: str = "3", host: str = "127.0.0.1", port: str = "6000", views: str = "100"
+    team: str = "blue", number: str = "3", host: str = "127.0.0.1", port: str = "6000", views: str = "300"
 ) -> None:
-    """Connect and follow the ball."""
-    with connect(host, int(port), team, int(number)) as robot:
-        for count, view in enumerate(robot, start=1):
-            print(f"{view.time_s:.3f} s: {command(view)}")
+    """Drive one robot."""
+    with connect(host, int(port), team, int(number), options=ChaseBall.options) as connection:
+        controller = ChaseBall(connection.robot)
+        for count, view in enumerate(connection, start=1):
+            drive = controller.decide(view)
+            connection.follow(drive)
+            print(f"{view.time_s:.3f} s: {view.summary} -> {drive.vx_m_s:+.2f} {drive.vy_m_s:+.2f} m/s")
             if count == int(views):
                 break
 

@@ -36,6 +36,7 @@ from app.web.routes.api import api_routes
 from app.web.routes.calibration import calibration_routes
 from app.web.routes.clients import client_routes
 from app.web.routes.fairness import fairness_routes
+from app.web.routes.game import game_routes
 from app.web.routes.health import health_routes
 from app.web.routes.login import login_routes
 from app.web.routes.match import match_routes
@@ -132,6 +133,7 @@ def create_app(store: Store) -> FastAPI:
     app.include_router(monitor_routes(blackboard, configuration, people.team_keys))
     app.include_router(match_routes(configuration))
     app.include_router(fairness_routes(blackboard, configuration, kept))
+    app.include_router(game_routes(blackboard, configuration))
     app.include_router(mirror_routes(configuration))
     app.include_router(login_routes(people, configuration))
     app.include_router(people_routes(people))

@@ -10,7 +10,7 @@ import java.util.regex.*;
 /**
  * A robot's client in Java 17, without libraries; docs/protocol.md is the protocol that it speaks, version 2 or 1.
  *
- * <p>{@code java PslvClient.java [--raw] [TEAM [NUMBER [HOST [PORT [VIEWS [OPTIONS]]]]]]}, as OPTIONS:
+ * <p>{@code java PslvClient.java [--raw] [TEAM [NUMBER [HOST [PORT [VIEWS [OPTIONS [VX VY OMEGA]]]]]]]}, as OPTIONS:
  * "(types team) (rate 10)". The team's key, if it has one, is read from the variable PSLV_KEY: other users can read the
  * words of a command. Copy the file and replace main: the constructor, then next in your loop, then close.
  */
@@ -101,6 +101,12 @@ public final class PslvClient implements AutoCloseable {
         }
     }
 
+    /** Drive a simulated robot: forward, left [m/s], anticlockwise [rad/s]; kick: speed [m/s], or 0. Not answered. */
+    public void drive(double vx, double vy, double omega, double kick, boolean dribble) {
+        String text = String.format(Locale.ROOT, "(drive %.4f %.4f %.4f (kick %.4f)", vx, vy, omega, kick);
+        send(text + (dribble ? " (dribble))" : ")"), server);
+    }
+
     /** End the session. */
     @Override
     public void close() throws IOException {
@@ -153,23 +159,16 @@ public final class PslvClient implements AutoCloseable {
         heardS = nowS();
         waiting = "";
         if (name.equals("see")) return takeSee(text, from);
-        switch (name) {
-            case "init" -> {
-                if (!word.isEmpty()) takeInit(text, from);
-            }
-            case "mirror" -> open |= takeMirror(text, "\\(mirror ") && version == 1;
-            case "hear" -> takeMirror(text, " mirror ");
-            case "ping" -> send(text, from);
-            case "challenge" -> {
-                cookie = word;
-                if (!word.isEmpty()) ask(from);
-            }
-            case "warning" -> {
-                // a match has begun: its mirror and field of view are in the answer to init
-                if (word.equals("fixed_by_match") && open && nowS() - askedS >= PATIENCE_S) ask(from);
-            }
-            default -> { } // of a later version
+        if (name.equals("init") && !word.isEmpty()) takeInit(text, from);
+        if (name.equals("mirror")) open |= takeMirror(text, "\\(mirror ") && version == 1;
+        if (name.equals("hear")) takeMirror(text, " mirror ");
+        if (name.equals("ping")) send(text, from);
+        if (name.equals("challenge") && !word.isEmpty()) {
+            cookie = word;
+            ask(from);
         }
+        // a match has begun: its mirror and field of view are in the answer to init
+        if (text.equals("(warning fixed_by_match)") && open && nowS() - askedS >= PATIENCE_S) ask(from);
         return null;
     }
 
@@ -194,8 +193,7 @@ public final class PslvClient implements AutoCloseable {
         double[] lease = numbersAfter(text, "\\(lease ", 1);
         version = lease.length == 1 && takeMirror(text, "\\(mirror ") ? 2 : 1;
         leaseS = version == 2 ? lease[0] : LEASE_S;
-        double[] width = numbersAfter(text, "\\(fov ", 2);
-        double[] step = numbersAfter(text, "\\(resolution ", 1);
+        double[] width = numbersAfter(text, "\\(fov ", 2), step = numbersAfter(text, "\\(resolution ", 1);
         fov = width.length == 2 ? width : fov;
         resolution = step.length == 1 ? step[0] : resolution;
         if (version == 2) open = true;
@@ -269,13 +267,14 @@ public final class PslvClient implements AutoCloseable {
         return String.format(Locale.ROOT, "%.3f s: ahead %s, ball %s", view.timeS, ahead, ball);
     }
 
-    public static void main(String[] words) {
-        boolean raw = words.length > 0 && words[0].equals("--raw");
+    public static void main(String[] all) {
+        boolean raw = all.length > 0 && all[0].equals("--raw");
         String[] given = {"blue", "3", "127.0.0.1", "6000", "100", ""};
-        for (int i = raw ? 1 : 0; i < words.length; i++) given[raw ? i - 1 : i] = words[i];
+        List<String> words = List.of(all).subList(raw ? 1 : 0, all.length);
+        for (int i = 0; i < Math.min(words.size(), 6); i++) given[i] = words.get(i);
+        double[] speed = words.stream().skip(6).mapToDouble(Double::parseDouble).toArray();
         int seen = 0;
-        int number = Integer.parseInt(given[1]);
-        int port = Integer.parseInt(given[3]);
+        int number = Integer.parseInt(given[1]), port = Integer.parseInt(given[3]);
         String key = System.getenv().getOrDefault("PSLV_KEY", "");
         try (PslvClient robot = new PslvClient(given[2], port, given[0], number, given[5], key)) {
             Runtime.getRuntime().addShutdownHook(new Thread(robot::bye)); // also by Ctrl-C
@@ -284,6 +283,7 @@ public final class PslvClient implements AutoCloseable {
                 if (view != null) {
                     seen++;
                     System.out.println(raw ? rawLine(view) : line(view));
+                    if (speed.length > 0) robot.drive(speed[0], speed[1], speed[2], 0.0, false);
                     continue;
                 }
                 String why = robot.open ? "the camera does not see the robot" : "nothing answers at that address";

@@ -1,9 +1,9 @@
 /* A robot's client in C99 with POSIX sockets; docs/protocol.md is the protocol that it speaks, version 2 or 1.
 
    cc -std=c99 -O2 -o pslv_client pslv_client.c -lm
-   ./pslv_client [--raw] [TEAM [NUMBER [HOST [PORT [VIEWS [OPTIONS]]]]]]   as OPTIONS: "(types team) (rate 10)"
+   ./pslv_client [--raw] [TEAM [NUMBER [HOST [PORT [VIEWS [OPTIONS [VX VY OMEGA]]]]]]]   OPTIONS: "(types team)"
    The variable PSLV_KEY may hold the team's key, since other users can read the words of a command. Copy the file and
-   replace main: pslv_connect, then pslv_next once per step of your program, then pslv_close. */
+   replace main: pslv_connect, then pslv_next and, for a simulated robot, pslv_drive in each step, then pslv_close. */
 #define _POSIX_C_SOURCE 200112L
 #include <fcntl.h>
 #include <math.h>
@@ -19,10 +19,9 @@
 #include <unistd.h>
 
 enum { PSLV_DATAGRAM = 2048, PSLV_EDGES = PSLV_DATAGRAM / 3, AT_ONCE = 1000, NOTHING_PX = 255 };
-static const double RETRY_S = 0.5;    /* between two inits until one is answered */
-static const double PATIENCE_S = 1.0; /* after an error that passes; and silence, until the session's port is asked */
-static const double RESTART_S = 3.0;  /* silence, until the main port is asked: the server may have been restarted */
-static const double LEASE_S = 15.0;   /* assumed where the server does not tell it */
+/* Between two inits until one is answered; after an error that passes, and silence, until the session's port is asked;
+   silence, until the main port is asked: the server may have been restarted; the lease where it is not told. */
+static const double RETRY_S = 0.5, PATIENCE_S = 1.0, RESTART_S = 3.0, LEASE_S = 15.0;
 
 typedef struct {
     double time_s;                    /* when the image was grabbed, since the server's start */
@@ -35,7 +34,6 @@ typedef struct {
     double ball_mm;                   /* INFINITY: hidden */
     int unseen;                       /* the camera does not see this robot now */
 } pslv_view;
-
 typedef struct {
     char error[160];     /* why the server ended the session; empty: it did not */
     char waiting[32];    /* an error that passes, as not_ready; empty: none */
@@ -80,8 +78,7 @@ static const char *read_after(const char *text, const char *mark, int count, dou
 
 /* Copy the word that follows a mark; none: empty. */
 static void read_word(const char *text, const char *mark, char *word, size_t size) {
-    const char *at = strstr(text, mark);
-    at = at == NULL ? "" : at + strlen(mark);
+    const char *found = strstr(text, mark), *at = found == NULL ? "" : found + strlen(mark);
     snprintf(word, size, "%.*s", (int)strcspn(at, " ()"), at);
 }
 
@@ -116,8 +113,7 @@ static int read_see(const pslv_client *client, const char *text, pslv_view *view
     }
     at = *at == ')' ? read_after(at, " ((ball) ", 3, ball) : NULL;
     if (at == NULL || at[0] != ')' || at[1] == '\0' || text[strlen(text) - 1] != ')') return 0;
-    for (int i = 0; i < 3; i++)
-        if (fabs(ball[i]) > 999.0) return 0;
+    if (fabs(ball[0]) > 999.0 || fabs(ball[1]) > 999.0 || fabs(ball[2]) > 999.0) return 0;
     view->ball_px = (int)ball[0], view->ball_deg = (int)ball[1], view->ball_size = (int)ball[2];
     view->ball_mm = mm_from_px(client, view->ball_px);
     view->unseen = strstr(at, "nopose") != NULL;
@@ -133,8 +129,7 @@ static void ask(pslv_client *client, const struct sockaddr_in *to) {
     char text[sizeof client->init + 100];
     snprintf(text, sizeof text, *client->cookie ? "(%s (cookie %s))%s" : "(%s%s)%s", client->init, client->cookie,
              client->version == 1 ? "(mirror)" : "");
-    send_text(client, text, to);
-    client->asked_s = now_s();
+    send_text(client, text, to), client->asked_s = now_s();
 }
 
 /* Repeat init until it is answered; then to keep the session, and to learn what a lost message would have told. */
@@ -248,6 +243,14 @@ int pslv_next(pslv_client *client, pslv_view *view, double timeout_s) {
     }
 }
 
+/* Drive a simulated robot: forward, left [m/s], anticlockwise [rad/s]; kick: speed [m/s], or 0. Not answered. */
+void pslv_drive(const pslv_client *client, double vx, double vy, double omega, double kick, int dribble) {
+    char text[160]; /* in ten thousandths, since other locales have no decimal point */
+    snprintf(text, sizeof text, "(drive %lde-4 %lde-4 %lde-4 (kick %lde-4)%s)", lround(1e4 * vx), lround(1e4 * vy),
+             lround(1e4 * omega), lround(1e4 * kick), dribble ? " (dribble)" : "");
+    send_text(client, text, &client->server);
+}
+
 /* End the session. */
 void pslv_close(pslv_client *client) {
     if (client->version != 0 && client->error[0] == '\0') send_text(client, "(bye)", &client->server);
@@ -261,7 +264,6 @@ static void print_view(const pslv_view *view) {
     if (view->unseen) printf("%.3f s: the camera does not see the robot\n", view->time_s);
     else printf("%.3f s: ahead %s, ball %s\n", view->time_s, ahead, ball);
 }
-
 /* Time, edges as the server sent them, the ball's pixels, direction and size, millimetres ahead and to the ball. */
 static void print_raw(const pslv_view *view) {
     printf("%.3f ", view->time_s);
@@ -274,19 +276,17 @@ static void print_raw(const pslv_view *view) {
 static volatile sig_atomic_t stopped; /* by Ctrl-C: the robot is given back with bye */
 static void stop(int number) { stopped = number; }
 int main(int count, char **words) {
-    const char *given[] = {"blue", "3", "127.0.0.1", "6000", "100", ""}, *key = getenv("PSLV_KEY"), *why;
+    const char *given[9] = {"blue", "3", "127.0.0.1", "6000", "100", "", "", "0", "0"}, *key = getenv("PSLV_KEY"), *why;
     int raw = count > 1 && strcmp(words[1], "--raw") == 0, got, seen = 0;
     pslv_client client;
     pslv_view view;
-    for (int i = 1 + raw; i < count && i - raw <= 6; i++) given[i - 1 - raw] = words[i];
+    for (int i = 1 + raw; i < count && i - raw <= 9; i++) given[i - 1 - raw] = words[i];
     got = pslv_connect(&client, given[2], atoi(given[3]), given[0], atoi(given[1]), given[5], key ? key : "");
-    signal(SIGINT, stop);
+    signal(SIGINT, stop), setvbuf(stdout, NULL, _IOLBF, 0);
     while (got >= 0 && !stopped && seen < atoi(given[4])) {
-        got = pslv_next(&client, &view, 5.0);
-        if (got > 0) {
-            seen++;
-            (raw ? print_raw : print_view)(&view);
-            fflush(stdout);
+        if ((got = pslv_next(&client, &view, 5.0)) > 0) {
+            seen++, (raw ? print_raw : print_view)(&view);
+            if (*given[6]) pslv_drive(&client, atof(given[6]), atof(given[7]), atof(given[8]), 0.0, 0);
         } else if (got == 0) {
             why = client.open ? "the camera does not see the robot" : "nothing answers at that address";
             fprintf(stderr, "no view for 5 s: %s\n", client.waiting[0] != '\0' ? client.waiting : why);

@@ -1,6 +1,6 @@
 // A robot's client in TypeScript for Node, without packages; it speaks version 2 of docs/protocol.md, or version 1.
 //
-// node pslv_client.ts [--raw] [TEAM [NUMBER [HOST [PORT [VIEWS [OPTIONS]]]]]]   as OPTIONS: "(types team) (rate 10)"
+// node pslv_client.ts [--raw] [TEAM [NUMBER [HOST [PORT [VIEWS [OPTIONS [VX VY OMEGA]]]]]]]   OPTIONS: "(types team)"
 // The team's key, if it has one, is read from the variable PSLV_KEY: other users can read the words of a command.
 //
 // Node 22.18 or newer runs it as it is. Copy the file and replace main: connect, then next in your loop, then close.
@@ -110,6 +110,12 @@ export class PslvClient {
     const view = this.newest;
     this.newest = null;
     return view;
+  }
+
+  /** Drive a simulated robot: forward, left [m/s], anticlockwise [rad/s]; kick: speed [m/s]. Taken: no answer. */
+  drive(vx: number, vy: number, omega: number, kick = 0, dribble = false): void {
+    const numbers = [vx, vy, omega].map((speed) => speed.toFixed(4)).join(" ");
+    this.send(`(drive ${numbers} (kick ${kick.toFixed(4)})${dribble ? " (dribble)" : ""})`, this.server);
   }
 
   /** End the session. */
@@ -252,8 +258,9 @@ function line({ timeS, edges, ball, unseen }: View): string {
 async function main(words: string[]): Promise<void> {
   const raw = words[0] === "--raw";
   const given = words.slice(raw ? 1 : 0);
-  const defaults = ["blue", "3", "127.0.0.1", "6000", "100", ""].slice(given.length);
-  const [team, number, host, port, views, options] = [...given, ...defaults];
+  const defaults = ["blue", "3", "127.0.0.1", "6000", "100", "", "", "0", "0"].slice(given.length);
+  const [team, number, host, port, views, options, ...speeds] = [...given, ...defaults];
+  const [vx, vy, omega] = speeds.map(Number);
   const robot = await PslvClient.connect(host, Number(port), team, Number(number), options, process.env.PSLV_KEY);
   let [seen, stopped] = [0, false];
   process.once("SIGINT", () => (stopped = true)); // the robot is given back with bye
@@ -263,6 +270,7 @@ async function main(words: string[]): Promise<void> {
       if (view) {
         seen++;
         console.log(raw ? rawLine(view) : line(view));
+        if (speeds[0]) robot.drive(vx, vy, omega);
         continue;
       }
       const why = robot.open ? "the camera does not see the robot" : "nothing answers at that address";

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.client.arena import Arena
 from tests.client.fake import ScriptedServer
 from tests.net.serving import BALL, Stadium, running
 from tests.protocol.samples import CODES
@@ -20,6 +21,7 @@ from vision_core.client.view import view_from_see
 from vision_core.clock import Instant
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.answers import decode_message
+from vision_core.protocol.driving import Drive
 from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.messages import See
 from vision_core.protocol.options import Options
@@ -259,3 +261,23 @@ def test_a_busy_server_is_asked_again_and_an_end_is_said(start: Start) -> None:
     assert (status, lines) == (1, [])
     assert complaints == "error replaced: a newer program has this robot\n"
     assert len(heard) == 2
+
+
+def test_a_simulated_robot_is_driven(start: Start) -> None:
+    arena = Arena({Team.BLUE: key_digest("Secret")})
+    with running(arena):
+        client = start("blue", "3", "127.0.0.1", str(arena.port), "5", "", "0.5", "-0.25", "1.5")
+        status, lines, complaints = finish(client)
+    arena.close()
+    assert (status, len(lines), complaints) == (0, 5, "")
+    assert {event.drive for event in arena.driven} == {Drive(0.5, -0.25, 1.5)}
+
+
+def test_a_command_that_the_robot_cannot_follow_is_named(start: Start) -> None:
+    arena = Arena({Team.BLUE: key_digest("Secret")})
+    with running(arena):
+        client = start("blue", "3", "127.0.0.1", str(arena.port), "500", "", "9", "0", "0")
+        status, _, complaints = finish(client)
+    arena.close()
+    assert (status, complaints) == (1, "error illegal_drive: see docs/protocol.md\n")
+    assert arena.driven == []

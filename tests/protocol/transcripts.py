@@ -16,6 +16,7 @@ from tests.net.serving import BALL
 from tests.protocol.samples import BOOT, CODES, MIRRORS, STRANGER, Server, simple_view
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant
 from vision_core.models.mirror import Mirror
+from vision_core.protocol.driving import DriveLimits
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.events import Endpoint, Event, Reply, SyncAsked
@@ -23,6 +24,7 @@ from vision_core.protocol.lifecycle import Peer, Port, Session
 from vision_core.protocol.messages import SyncReply
 from vision_core.protocol.options import Options
 from vision_core.protocol.proofs import key_digest
+from vision_core.protocol.rules import SessionRules
 from vision_core.protocol.see import reference_see
 from vision_core.types.objects import Team
 
@@ -85,12 +87,8 @@ class Scene:
                 return sessions.apply(rules, words[0], now)
             case "tell":
                 return sessions.tell(words[0], now)
-            case "mirror":
-                mirror = Mirror(*map(float, words))
-                return sessions.apply(replace(rules, mirrors=dict.fromkeys(MIRRORS, mirror)), sessions.mode, now)
-            case "match" | "practice":
-                fixed = MATCH if what == "match" else None
-                return sessions.apply(replace(rules, fixed=fixed), sessions.mode, now)
+            case "mirror" | "match" | "practice" | "simulated":
+                return sessions.apply(changed(rules, what, words), sessions.mode, now)
             case "expire":
                 return sessions.expire(now)
             case "closed":
@@ -110,6 +108,17 @@ class Scene:
                 case SyncAsked(session, sync, arrived):
                     reply = SyncReply(sync.id, sync.t1_ns, arrived - BOOT, self.server.clock.now() - BOOT)
                     yield f"{names[session.peer]} <- {ports[session.port]} {shown(encode(reply))}"
+
+
+def changed(rules: SessionRules, what: str, words: tuple[str, ...]) -> SessionRules:
+    """Other rules: another mirror, a match or practice, or a simulated venue in which blue 3 can be driven."""
+    match what:
+        case "mirror":
+            return replace(rules, mirrors=dict.fromkeys(MIRRORS, Mirror(*map(float, words))))
+        case "simulated":
+            vx, vy, turn, kick, dribbler = map(float, words)
+            return replace(rules, drives={(Team.BLUE, 3): DriveLimits(vx, vy, turn, kick, bool(dribbler))})
+    return replace(rules, fixed=MATCH if what == "match" else None)
 
 
 def encode_cookie(server: Server, peer: Peer) -> str:

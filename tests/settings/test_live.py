@@ -35,7 +35,7 @@ def test_live_keys(key: str, live: bool) -> None:
 
 
 def test_the_record_has_every_live_section() -> None:
-    beside = {"revision", "tasks", "ended", "adapt", "keys", "monitor_key", "fairness_asked"}
+    beside = {"revision", "tasks", "ended", "adapt", "keys", "monitor_key", "fairness_asked", "games"}
     fields = set(LiveSettings.__slots__) - beside
     assert fields == set(LIVE) <= set(Settings.__struct_fields__)
 

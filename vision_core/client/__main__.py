@@ -10,7 +10,8 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from vision_core.client.connection import RESTART_S, Connection, connect
+from vision_core.client.connecting import connect
+from vision_core.client.connection import RESTART_S, Connection
 from vision_core.client.own_camera import OpenPictures, OwnCamera, add_camera_options, own_camera
 from vision_core.client.panorama import draw_view
 from vision_core.client.png import write_png

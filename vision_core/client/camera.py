@@ -15,7 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from vision_core.client.connection import Connection, connect
+from vision_core.client.connecting import connect
+from vision_core.client.connection import Connection
 from vision_core.client.panorama import HEIGHT_PX, WIDTH_PX, draw_view
 from vision_core.client.view import View
 from vision_core.errors import PslvError

@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import logging
-import re
 import socket
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import replace
@@ -11,13 +10,17 @@ from types import TracebackType
 from typing import Self
 
 from vision_core.arrival_stamps import stamp_arrivals
+from vision_core.client.addresses import resolved
 from vision_core.client.clock_sync import ClockSync, ServerTime
+from vision_core.client.driving import Robot, checked, limits_of, robot_of
 from vision_core.client.lag import LagReports, SockAddress, receive_stamped
+from vision_core.client.refusals import mirror_unknown, no_answer
 from vision_core.client.view import View, view_from_see
-from vision_core.clock import Clock, Instant, MonotonicClock, after, seconds_between
+from vision_core.clock import Clock, Instant, after, seconds_between
 from vision_core.errors import ConnectionRefused
 from vision_core.models.mirror import Mirror
 from vision_core.protocol.answers import MAX_ANSWER, decode_message
+from vision_core.protocol.driving import Drive, DriveLimits
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import MEANINGS, TRANSIENT, ErrorCode
 from vision_core.protocol.messages import (
@@ -38,9 +41,7 @@ from vision_core.protocol.messages import (
     SyncReply,
     WarningReply,
 )
-from vision_core.protocol.options import HIGHEST_VERSION, PAPER_OPTIONS, Options, mirror_from_words
-from vision_core.protocol.proofs import MAX_KEY, Proof
-from vision_core.types.objects import Team
+from vision_core.protocol.options import Options, mirror_from_words
 
 RETRY_S = 0.5
 """Between two attempts to connect, or to learn the mirror."""
@@ -55,53 +56,8 @@ MIRROR_TIMEOUT_S = 5.0
 PATIENCE_S = 1.0
 MAX_AT_ONCE = 1000
 """Datagrams read by one call: more than a socket's buffer holds."""
-KEY_FORM = re.compile(rf"[A-Za-z0-9_-]{{1,{MAX_KEY}}}")
-NO_MIRROR = (
-    "mirror=Mirror(A, B, C) with the constants of the server's field preset (config/fields/*.toml),"
-    " or options=Options(mirror=...) to ask for a mirror of your own"
-)
 
 log = logging.getLogger("vision_core.client")
-
-
-def connect(
-    host: str,
-    port: int,
-    team: Team | str,
-    number: int,
-    *,
-    options: Options = PAPER_OPTIONS,
-    mirror: Mirror | None = None,
-    key: str = "",
-    timeout_s: float = 5.0,
-    clock: Clock | None = None,
-) -> "Connection":
-    """Ask a server for a robot's views.
-
-    The client speaks version 2 of the protocol, whatever ``options.version`` is, and understands servers of version 1.
-
-    mirror: of the server's field; every ``View.mm`` and ``ball_mm`` depends on it. None: the server is asked for it. A
-    mirror of your own, ``options.mirror``, is used in its place: the server then renders the views through that one,
-    unless the match fixes the mirror. key: the team's, if the referee has given it one: with it the computer need not
-    be admitted, and a robot that another client holds is taken over.
-    timeout_s: how long to wait for an answer. While the server answers that it still prepares, the wait goes on; the
-    logger "vision_core.client" says so once.
-
-    Raises ConnectionRefused when the server refuses, with its reason, or does not answer in time, or does not tell its
-    mirror, or the key is none; ValueError for an unknown team.
-    """
-    if key and not KEY_FORM.fullmatch(key):
-        accepted = f"1 to {MAX_KEY} letters, digits, - and _, as the referee's page shows it"
-        raise ConnectionRefused("the team's key", found=f"a text of {len(key)} characters", accepted=accepted)
-    asked = replace(options, version=HIGHEST_VERSION)
-    init = Init(Team(team), number, asked, proof=Proof(key=key))
-    connection = Connection(host, port, init, mirror, clock or MonotonicClock())
-    try:
-        connection.open(timeout_s)
-    except BaseException:
-        connection.close()
-        raise
-    return connection
 
 
 class Connection:
@@ -124,7 +80,7 @@ class Connection:
         self._address = f"{host}:{port}"
         self._name = f"{init.team} {init.number} at {self._address}"
         self._clock = clock
-        family, self._main = _resolved(self._name, host, port)
+        family, self._main = resolved(self._name, host, port)
         self._server = self._main
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         stamp_arrivals(self._socket)
@@ -161,7 +117,7 @@ class Connection:
     def mirror(self) -> Mirror:
         """The mirror that the views are decoded with. Raises ConnectionRefused while it is not known."""
         if self._mirror is None:
-            raise self._mirror_unknown()
+            raise mirror_unknown(self._name)
         return self._mirror
 
     @property
@@ -197,7 +153,9 @@ class Connection:
                     if not waiting:
                         log.warning("%s: the server still prepares; waiting until it is ready", self._name)
                     waiting, deadline = True, after(self._clock.now(), timeout_s)
-        raise self._mirror_unknown() if answered else self._no_answer(timeout_s)
+        raise (
+            mirror_unknown(self._name) if answered else no_answer(self._name, self._address, self.last_error, timeout_s)
+        )
 
     def receive(self, timeout_s: float) -> View | None:
         """The next view; None when none came in time. Raises ConnectionRefused when the server ends the session."""
@@ -222,6 +180,29 @@ class Connection:
                 break
             newest = message if isinstance(message, See) else newest
         return self._view(newest, self._mirror) if newest and self._mirror else None
+
+    @property
+    def limits(self) -> DriveLimits:
+        """What the robot can do. Raises ConnectionRefused when no program drives it, since it is a real one."""
+        return limits_of(self._name, self.facts)
+
+    @property
+    def robot(self) -> Robot:
+        """What a controller may know of the robot. Raises ConnectionRefused as ``limits``."""
+        return robot_of(self._name, self.init, self.facts)
+
+    def drive(self, vx: float, vy: float, omega: float, kick: float | None = None, dribble: bool = False) -> None:
+        """Drive the robot of a simulated venue: forward, to the left [m/s] and anticlockwise [rad/s], in its own frame.
+
+        The command holds until the next one, for half a second; then the robot stops. kick: kick the ball with this
+        speed [m/s] as soon as it is at the front. dribble: hold the ball at the front. Raises ValueError for a command
+        beyond ``limits``, and ConnectionRefused as ``limits``.
+        """
+        self._send(checked(Drive(vx, vy, omega, kick or 0.0, dribble), self.limits), self._server)
+
+    def follow(self, drive: Drive) -> None:
+        """Drive as near to a command as the robot can. Raises ValueError for nan, ConnectionRefused as ``limits``."""
+        self._send(checked(self.limits.clipped(drive), self.limits), self._server)
 
     def close(self) -> None:
         """Send bye and close the socket."""
@@ -251,7 +232,7 @@ class Connection:
             self._ask(self._server)
         elif self._mirror is None and asked_s >= RETRY_S:
             if now > self._mirror_due_at:
-                raise self._mirror_unknown()
+                raise mirror_unknown(self._name)
             self._asked_at = now
             self._send(encode(MirrorQuery()), self._server)
 
@@ -315,7 +296,7 @@ class Connection:
             self._ask(self._main)
             return
         if error == ErrorCode.UNKNOWN_COMMAND and self._mirror is None:
-            raise self._mirror_unknown()
+            raise mirror_unknown(self._name)
         meaning = MEANINGS.get(error, "see the server's documentation")
         raise ConnectionRefused(self._name, found=f"error {error}: {meaning}", code=error)
 
@@ -357,24 +338,6 @@ class Connection:
             case Hear(_, "mirror", words) if mirror := mirror_from_words(words):
                 self._mirror = self._given_mirror or mirror
 
-    def _mirror_unknown(self) -> ConnectionRefused:
-        return ConnectionRefused(self._name, found="the server does not tell its mirror", accepted=NO_MIRROR)
-
-    def _no_answer(self, timeout_s: float) -> ConnectionRefused:
-        if self.last_error in MEANINGS:
-            return ConnectionRefused(
-                self._name,
-                found=f"error {self.last_error} for {timeout_s:g} s: {MEANINGS[self.last_error]}",
-                accepted="an answer to init; a longer timeout",
-                code=self.last_error,
-            )
-        return ConnectionRefused(
-            self._name,
-            found=f"nothing answered at {self._address} within {timeout_s:g} s",
-            accepted="a server that runs there (pslv serve) and that this computer may reach: see server.udp_host and"
-            " admission.subnets in its settings, and firewalls in between",
-        )
-
     def _next_datagram(self, deadline: Instant) -> tuple[bytes, SockAddress, int] | None:
         self._socket.settimeout(max(seconds_between(self._clock.now(), deadline), 0.0))
         try:
@@ -394,15 +357,3 @@ def _granted(asked: Options, facts: SessionFacts | None) -> Options:
         center_deg=facts.center_deg,
         resolution_deg=facts.resolution_deg,
     )
-
-
-def _resolved(name: str, host: str, port: int) -> tuple[int, SockAddress]:
-    """The family and address of a host, IPv4 first. Raises ConnectionRefused."""
-    if not 0 < port < 65536:
-        raise ConnectionRefused(name, found=f"port {port}", accepted="a port of 1..65535")
-    try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
-    except (socket.gaierror, UnicodeError) as error:
-        raise ConnectionRefused(name, found=str(error), accepted="a host name or address, and a port") from None
-    family, _, _, _, address = min(found, key=lambda info: info[0] != socket.AF_INET)
-    return family, address

@@ -38,6 +38,24 @@ class View:
     age_bound_s: float = math.inf
     """The true age differs by at most so much."""
 
+    @property
+    def points_m(self) -> Floats:
+        """The edges in the robot's frame, x forward and y to the left [m], nan for nothing, shape (n, 2).
+
+        Directions must grow anticlockwise, as they do unless the options say otherwise.
+        """
+        distances_m = np.where(np.isfinite(self.mm), self.mm, np.nan) / MM_PER_M
+        angles = np.radians(self.directions_deg)
+        return np.column_stack([distances_m * np.cos(angles), distances_m * np.sin(angles)])
+
+    @property
+    def ball_m(self) -> tuple[float, float] | None:
+        """The ball in the robot's frame, x forward and y to the left [m]; None while it is hidden."""
+        if self.ball.hidden:
+            return None
+        angle = math.radians(self.ball.direction_deg)
+        return self.ball_mm / MM_PER_M * math.cos(angle), self.ball_mm / MM_PER_M * math.sin(angle)
+
     def __repr__(self) -> str:
         """One line, not hundreds of edges."""
         return f"View({self.time_s:.3f} s, {len(self.px)} edges, {self.summary})"

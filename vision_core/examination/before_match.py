@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from vision_core.client.connection import Connection, connect
+from vision_core.client.connecting import connect
+from vision_core.client.connection import Connection
 from vision_core.clock import MS_PER_S, Clock
 from vision_core.errors import ConnectionRefused
 from vision_core.examination.findings import Finding, bad, doubtful, good, worst

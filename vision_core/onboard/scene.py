@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vision_core.capture.synthetic.background import clutter_of, painted_lines, venue_of
+from vision_core.capture.synthetic.bodies import VX, VY, X, Y, no_bodies
 from vision_core.capture.synthetic.floor import COLORS, Venue
-from vision_core.capture.synthetic.physics import VX, VY, X, Y, no_bodies
 from vision_core.capture.synthetic.render import BODY_BGR, PLATE_BGR, paint_bgr, prisms_of_feet, robot_prism
 from vision_core.capture.synthetic.sprites import Prism
 from vision_core.capture.synthetic.world import Snapshot

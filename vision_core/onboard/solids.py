@@ -5,8 +5,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from vision_core.capture.synthetic.bodies import HEADING, TURN_RATE, VX, VY, X, Y
 from vision_core.capture.synthetic.floor import BOARD_TOP, COLORS, Venue
-from vision_core.capture.synthetic.physics import HEADING, TURN_RATE, VX, VY, X, Y
 from vision_core.capture.synthetic.sprites import Prism
 from vision_core.geometry import Floats
 from vision_core.patterns.paints import PAINTS_BGR

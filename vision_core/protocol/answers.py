@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
+from vision_core.protocol.driving import DriveLimits
 from vision_core.protocol.messages import (
     NO_EXTRAS,
     Ball,
@@ -144,6 +145,7 @@ def _facts(pairs: Sequence[str | Form]) -> SessionFacts | None:
         return SessionFacts(
             version, session, lease_s, period_ms, mirror, rmin_mm, rmax_mm, fov_deg, center_deg,
             _real(words["resolution"][0]), texts[0], clock_ns, texts[1], texts[2], (length_mm, width_mm),
+            _drive_limits(words["drive"]) if "drive" in words else None,
         )  # fmt: skip
     except (KeyError, ValueError, IndexError):
         return None
@@ -165,6 +167,12 @@ def _monitor_facts(pairs: Sequence[str | Form]) -> MonitorFacts | None:
     except (KeyError, ValueError, IndexError):
         return None
     return MonitorFacts(version, lease_s, period_ms, clock_ns, boot, venue, (length_mm, width_mm))
+
+
+def _drive_limits(words: Sequence[str | Form]) -> DriveLimits:
+    *speeds, dribbler = map(_real, words[:5])
+    vx_m_s, vy_m_s, turn_rad_s, kick_m_s = speeds
+    return DriveLimits(vx_m_s, vy_m_s, turn_rad_s, kick_m_s, bool(dribbler))
 
 
 def _real(word: str | Form) -> float:

@@ -7,9 +7,11 @@ robot in ``init``.
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import takewhile
 from types import MappingProxyType
 
 from vision_core.clock import MS_PER_S
+from vision_core.protocol.driving import Drive
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import (
     PLAY_MODES,
@@ -196,8 +198,27 @@ def _lag(parts: Sequence[str | Form]) -> Command:
     lag = LagReport(time_us(*when.groups()), hold_ms / MS_PER_S, None if client_ms is None else client_ms / MS_PER_S)
     if len(parts) == 3:
         return lag
+    return _of_robot(lag, parts)
+
+
+def _drive(parts: Sequence[str | Form]) -> Command:
+    words = tuple(takewhile(lambda part: isinstance(part, str), parts))
+    numbers = [number for word in words[-3:] if (number := real(word)) is not None]
+    equipment = {form[0]: form[1:] for form in parts[len(words) :] if isinstance(form, tuple) and form}
+    if len(words) not in (3, 5) or len(numbers) < 3 or len(equipment) < len(parts) - len(words):
+        return InvalidCommand(ErrorCode.ILLEGAL_FORM)
+    kick, dribble = equipment.pop("kick", ("0",)), equipment.pop("dribble", None)
+    kick_m_s = real(kick[0]) if len(kick) == 1 else None
+    if kick_m_s is None or dribble or equipment:
+        return InvalidCommand(ErrorCode.ILLEGAL_FORM)
+    drive = Drive(numbers[0], numbers[1], numbers[2], kick_m_s, dribble is not None)
+    return drive if len(words) == 3 else _of_robot(drive, parts)
+
+
+def _of_robot(command: LagReport | Drive, parts: Sequence[str | Form]) -> Command:
+    """A command about the robot that it names first."""
     robot = _robot(parts)
-    return robot if isinstance(robot, InvalidCommand) else replace(lag, team=robot[0], number=robot[1])
+    return robot if isinstance(robot, InvalidCommand) else replace(command, team=robot[0], number=robot[1])
 
 
 COMMANDS: Mapping[str, Callable[[Sequence[str | Form]], Command]] = MappingProxyType(
@@ -211,6 +232,7 @@ COMMANDS: Mapping[str, Callable[[Sequence[str | Form]], Command]] = MappingProxy
         "sync": _sync,
         "lag": _lag,
         "mirror": _mirror,
+        "drive": _drive,
     }
 )
 """The decoder of each command."""

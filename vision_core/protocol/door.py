@@ -18,6 +18,7 @@ from vision_core.protocol.proofs import Cookies, holds_key
 from vision_core.protocol.rate_limits import (
     AMPLIFICATION,
     DATAGRAM,
+    SESSION_DATAGRAM_RATE,
     Rate,
     RateLimiter,
     RateLimiterTable,
@@ -55,7 +56,9 @@ class Door:
 
     def lets_in(self, limiter: RateLimiter, now: Instant, *, known: bool) -> bool:
         """May a datagram of an admitted address be read? known: it is of a session, whose limiter it is."""
-        return limiter.take(DATAGRAM, now) and (known or self._datagrams.take(limiter, now))
+        if known:
+            return limiter.take(DATAGRAM, now, SESSION_DATAGRAM_RATE)
+        return limiter.take(DATAGRAM, now) and self._datagrams.take(limiter, now)
 
     def takes_init(self, sender: Sender) -> bool:
         """Is there a place in the budget of all inits?"""

@@ -1,6 +1,7 @@
 """Messages -> datagrams, in the one canonical form of each."""
 
 from vision_core.clock import MS_PER_S, US_PER_MS, US_PER_S
+from vision_core.protocol.driving import Drive
 from vision_core.protocol.messages import (
     Bye,
     Challenge,
@@ -30,7 +31,7 @@ from vision_core.protocol.proofs import Proof
 from vision_core.protocol.s_expressions import Form
 from vision_core.types.objects import Team
 
-ClientMessage = Init | Reconnect | MonitorInit | Bye | Set | Ping | Sync | LagReport | MirrorQuery
+ClientMessage = Init | Reconnect | MonitorInit | Bye | Set | Ping | Sync | LagReport | MirrorQuery | Drive
 Answer = InitReply | MonitorReply | Challenge | MirrorReply | Hear | Pong | SyncReply | Ok | ErrorReply | WarningReply
 
 
@@ -48,8 +49,8 @@ def _command_words(message: ClientMessage) -> tuple[str, ...]:
     match message:
         case Init() | Reconnect() | MonitorInit():
             return *_opening_words(message), *_proof_words(message.proof)
-        case Bye(team, number):
-            return "bye", *_robot_words(team, number)
+        case Bye(team, number) | MirrorQuery(team, number):
+            return "bye" if isinstance(message, Bye) else "mirror", *_robot_words(team, number)
         case Set(forms, team, number):
             return "set", *_robot_words(team, number), *map(_form_text, forms)
         case Ping(number):
@@ -58,8 +59,8 @@ def _command_words(message: ClientMessage) -> tuple[str, ...]:
             return "sync", str(number), str(t1_ns)
         case LagReport():
             return "lag", *_robot_words(message.team, message.number), *_lag_words(message)
-        case MirrorQuery(team, number):
-            return "mirror", *_robot_words(team, number)
+        case Drive():
+            return "drive", *_robot_words(message.team, message.number), *_drive_words(message)
 
 
 def _opening_words(message: Opening) -> tuple[str, ...]:
@@ -141,6 +142,11 @@ def _lag_words(lag: LagReport) -> tuple[str, ...]:
     return time_word(lag.time_us, "us"), f"{lag.hold_s * MS_PER_S:.3f}", client
 
 
+def _drive_words(drive: Drive) -> tuple[str, ...]:
+    speeds = (f"{speed:.4f}" for speed in (drive.vx_m_s, drive.vy_m_s, drive.turn_rad_s))
+    return *speeds, f"(kick {drive.kick_m_s:.4f})" if drive.kick_m_s else "", "(dribble)" if drive.dribble else ""
+
+
 def _pairs(facts: SessionFacts) -> tuple[str, ...]:
     length_mm, width_mm = facts.field_mm
     return (
@@ -158,6 +164,7 @@ def _pairs(facts: SessionFacts) -> tuple[str, ...]:
         f"(boot {facts.boot})",
         f"(venue {facts.venue})",
         f"(field {length_mm:g} {width_mm:g})",
+        *((f"(drive {' '.join(f'{limit:g}' for limit in facts.drive)})",) if facts.drive else ()),
     )
 
 

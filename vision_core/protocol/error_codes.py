@@ -12,6 +12,8 @@ class ErrorCode(StrEnum):
     ILLEGAL_NUMBER = "illegal_number"
     ILLEGAL_OPTION = "illegal_option"
     ILLEGAL_MIRROR = "illegal_mirror"
+    ILLEGAL_DRIVE = "illegal_drive"
+    NO_DRIVE = "no_drive"
     NOT_ADMITTED = "not_admitted"
     ALREADY_CONNECTED = "already_connected"
     REPLACED = "replaced"
@@ -32,6 +34,8 @@ MEANINGS: dict[str, str] = {
     ErrorCode.ILLEGAL_NUMBER: "the match has no robot of this number",
     ErrorCode.ILLEGAL_OPTION: "an option is unknown, given twice or out of its range",
     ErrorCode.ILLEGAL_MIRROR: "A, B, C are not those of a mirror, or the mirror does not suit this field",
+    ErrorCode.ILLEGAL_DRIVE: "too fast for this robot, sideways on two wheels, or it lacks the kicker or dribbler",
+    ErrorCode.NO_DRIVE: "no program drives this robot: it is real or recorded, or not on the simulated field",
     ErrorCode.NOT_ADMITTED: "the referee has not admitted this address: one click on the page Match does it",
     ErrorCode.ALREADY_CONNECTED: "another computer controls this robot",
     ErrorCode.REPLACED: "a newer client took this robot over",

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from vision_core.clock import Instant
+from vision_core.protocol.driving import Drive
 from vision_core.protocol.encoding import Answer, encode
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.lifecycle import Peer, Port, Session, SessionTrigger
@@ -80,6 +81,15 @@ class LagReported:
 
 
 @dataclass(frozen=True, slots=True)
+class Driven:
+    """A client drives its robot."""
+
+    session: Session
+    drive: Drive
+    at: Instant
+
+
+@dataclass(frozen=True, slots=True)
 class SyncAsked:
     """A client asks for the clock: the answer is stamped at the moment when it is sent."""
 
@@ -100,7 +110,15 @@ class RequestRefused:
 
 
 Event: TypeAlias = (
-    Reply | SessionOpened | SessionMoved | SessionChanged | SessionClosed | LagReported | SyncAsked | RequestRefused
+    Reply
+    | SessionOpened
+    | SessionMoved
+    | SessionChanged
+    | SessionClosed
+    | LagReported
+    | Driven
+    | SyncAsked
+    | RequestRefused
 )
 
 

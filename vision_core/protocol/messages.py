@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from vision_core.clock import US_PER_S
 from vision_core.models.mirror import Mirror
+from vision_core.protocol.driving import Drive, DriveLimits
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.protocol.proofs import NO_PROOF, Proof
@@ -123,7 +124,7 @@ class InvalidCommand:
     error: ErrorCode
 
 
-RobotCommand: TypeAlias = Bye | LagReport | MirrorQuery | Set
+RobotCommand: TypeAlias = Bye | LagReport | MirrorQuery | Set | Drive
 """A command about one session; from a socket with several robots it names the robot."""
 Command: TypeAlias = Init | Reconnect | MonitorInit | RobotCommand | Ping | Sync | InvalidCommand
 
@@ -175,6 +176,8 @@ class SessionFacts:
     venue: str
     field_mm: tuple[float, float]
     """Length and width between the lines."""
+    drive: DriveLimits | None = None
+    """What the robot can do; None: it cannot be driven."""
 
 
 @dataclass(frozen=True, slots=True)

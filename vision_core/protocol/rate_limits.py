@@ -35,6 +35,10 @@ COMMAND_RATE = Rate(20.0, 40)
 """For each command that is not named below, from one address or of one session."""
 INIT_RATE = Rate(64.0, 64)
 """From one address: a computer that runs both teams, 32 robots, may repeat each init twice a second."""
+DRIVE_RATE = Rate(120.0, 120)
+"""Of one robot: so its driver may send a command for every image of a fast camera, and keeps its other budgets."""
+SESSION_DATAGRAM_RATE = Rate(200.0, 400)
+"""Datagrams of a client that has a session."""
 INVALID = "invalid"
 """The budget for commands that cannot be decoded, inits with a mistake among them."""
 RATES: Mapping[str, Rate] = MappingProxyType({DATAGRAM: Rate(100.0, 200), "init": INIT_RATE, INVALID: INIT_RATE})

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from vision_core.clock import Instant
 from vision_core.models.mirror import MM_PER_M, Mirror
 from vision_core.protocol.admission import Admission
+from vision_core.protocol.driving import DriveLimits
 from vision_core.protocol.lifecycle import Port, Session
 from vision_core.protocol.messages import SessionFacts
 from vision_core.protocol.options import HIGHEST_VERSION, Options
@@ -48,6 +49,8 @@ class SessionRules:
     facts: ServerFacts
     fixed: Options | None = None
     """The match gives all robots these types, fields of view, resolution and rate; None: clients choose."""
+    drives: Mapping[tuple[Team, int], DriveLimits] = field(default_factory=dict)
+    """The robots that clients may drive, by team and number, and what these can do."""
     keys: Mapping[Team, str] = field(default_factory=dict)
     """The digest of each team's key: see ``proofs``."""
     monitor_key: str | None = None
@@ -99,4 +102,5 @@ class SessionRules:
             boot=f"{self.boot:x}",
             venue=facts.venue,
             field_mm=facts.field_mm,
+            drive=self.drives.get((session.team, session.number)),
         )

@@ -12,9 +12,11 @@ from dataclasses import replace
 from vision_core.clock import NS_PER_US, Instant, seconds_between
 from vision_core.protocol.commands import MAX_COMMAND, decode_commands
 from vision_core.protocol.door import Door
+from vision_core.protocol.driving import Drive
 from vision_core.protocol.encoding import Answer
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.events import (
+    Driven,
     Endpoint,
     Event,
     LagReported,
@@ -57,10 +59,7 @@ from vision_core.protocol.messages import (
 from vision_core.protocol.monitors import Monitors
 from vision_core.protocol.options import encode_mirror, options_from_forms
 from vision_core.protocol.proofs import NO_PROOF
-from vision_core.protocol.rate_limits import (
-    INVALID,
-    RateLimiter,
-)
+from vision_core.protocol.rate_limits import DRIVE_RATE, INVALID, RateLimiter
 from vision_core.protocol.rules import SessionRules
 from vision_core.types.datagrams import DatagramCounts
 from vision_core.types.objects import Team
@@ -80,6 +79,8 @@ LIMITED_ERRORS = frozenset(
         ErrorCode.NOT_CONNECTED,
         ErrorCode.RATE_LIMITED,
         ErrorCode.NOT_ADMITTED,
+        ErrorCode.ILLEGAL_DRIVE,
+        ErrorCode.NO_DRIVE,
     }
 )
 """Errors that one sender is told at most once in 5 s. The others, about an init, it is told each time."""
@@ -245,7 +246,8 @@ class Sessions:
         """The events that follow from the commands of a datagram, up to the first that is refused."""
         events: list[Event] = []
         for command in request.commands:
-            if limiter.take(_name_of(command), sender.now):
+            rate = DRIVE_RATE if isinstance(command, Drive) else None
+            if limiter.take(_name_of(command), sender.now, rate):
                 result = self._dispatch(command, request.nul, sender)
             else:
                 result = ErrorCode.RATE_LIMITED
@@ -289,6 +291,15 @@ class Sessions:
                 return [reply_to(session, MirrorReply(self.rules.mirror_of(session), team, number))]
             case Set():
                 return self._set(session, command)
+            case Drive():
+                return self._drive(session, command, now)
+
+    def _drive(self, session: Session, drive: Drive, now: Instant) -> list[Event] | ErrorCode:
+        """A command for the robot of a session, which answers nothing when it is taken."""
+        limits = self.rules.drives.get((session.team, session.number))
+        if limits is None:
+            return ErrorCode.NO_DRIVE
+        return [Driven(session, drive, now)] if limits.allow(drive) else ErrorCode.ILLEGAL_DRIVE
 
     def _addressed(self, command: RobotCommand, peer: Peer) -> Session | ErrorCode:
         """The session that a command is about: that of the robot it names, or the only one of the client's socket."""
@@ -449,4 +460,6 @@ def _name_of(command: Command) -> str:
             return "lag"
         case MirrorQuery():
             return "mirror"
+        case Drive(team=team, number=number):
+            return f"drive {team} {number}"
     return type(command).__name__.lower()

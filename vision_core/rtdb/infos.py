@@ -272,6 +272,8 @@ class LiveSettings:
     adapt: bool
     """colors.light.adapt; False: the colors of the set-up are held."""
     ended: tuple[EndedSession, ...] = ()
+    games: int = 0
+    """How often the operator has begun a new game of the simulated match."""
     keys: dict[str, str] = field(default_factory=dict)
     """The digest of the key of the team that plays blue or yellow; a team without a key is left out."""
     monitor_key: str | None = None

@@ -25,6 +25,8 @@
 | frames_done/<camera> | source | that this image is in its slot |
 | fairness | serve | how every robot was served since the match began: see ``types.fairness`` |
 | fairness_ended | serve | the newest record of fairness that has ended |
+| drives | serve | the newest command of each robot's driver |
+| game | source | score, possession and collisions of a simulated match |
 | lags | serve | histograms of the lags of server, network and clients |
 | log | log_reader | the newest lines that the processes printed: see ``log_record`` |
 | selftest | supervisor | how well this machine keeps time |
@@ -54,7 +56,9 @@ from vision_core.rtdb.infos import (
 from vision_core.rtdb.items import AnyRecord, CameraRecord, Item, packed, per_camera, per_camera_table, tabled
 from vision_core.rtdb.layout import RecordSpec
 from vision_core.timing.histogram import size_of
+from vision_core.types import drives
 from vision_core.types.fairness import FAIRNESS
+from vision_core.types.game import Game
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.overlay import Looking, Overlay
 from vision_core.types.palette import LivePalette
@@ -78,6 +82,8 @@ WORLD: Item[World] = tabled("world", WorldTable, 0.25)
 VIEWS: Item[Views] = tabled("views", ViewsTable, 0.25)
 SERVING = packed("serving", Serving, 65536, 2.0)
 SESSIONS = RecordSpec("sessions", 65536, 0.0)
+DRIVES = RecordSpec("drives", drives.SIZE, 0.0)
+GAME = packed("game", Game, 4096, 2.0)
 LAG_HISTOGRAMS = RecordSpec("lags", size_of(LAGS), 2.0)
 FAIRNESS_RECORD = RecordSpec("fairness", FAIRNESS.itemsize, 0.0)
 FAIRNESS_ENDED = RecordSpec("fairness_ended", FAIRNESS.itemsize, 0.0)
@@ -120,6 +126,7 @@ CATALOG: tuple[AnyRecord, ...] = (
     WORLD,
     VIEWS,
     SERVING,
+    GAME,
     LIVE_SETTINGS,
 )
 """Everything that a person may want to look at: ``vision_core.rtdb.catalog`` reads all of it at one instant. A record

@@ -117,6 +117,24 @@ class CameraSettings(Record, frozen=True):
     lens: LensSettings | None = None
 
 
+class DriveSettings(Record, frozen=True):
+    """What simulated robots can do that clients' programs drive."""
+
+    wheels: Annotated[Literal["omni", "two"], Meta(description="two: no robot drives sideways")]
+    speed_m_s: Annotated[float, Meta(gt=0.0, le=20.0, description="highest speed that a program may ask for")]
+    turn_rad_s: Annotated[float, Meta(gt=0.0, le=100.0, description="highest turn rate that it may ask for")]
+    acceleration_m_s2: Annotated[float, Meta(gt=0.0, le=100.0)]
+    turn_acceleration_rad_s2: Annotated[float, Meta(gt=0.0, le=1000.0)]
+    kick_m_s: Annotated[float, Meta(ge=0.0, le=20.0, description="fastest kick; 0: no kicker")]
+    dribbler: bool
+    silence_ms: Annotated[float, Meta(gt=0.0, le=10000.0, description="after so long without a command a robot stops")]
+
+    @property
+    def sideways_m_s(self) -> float:
+        """Highest speed to the left and right."""
+        return self.speed_m_s if self.wheels == "omni" else 0.0
+
+
 class SyntheticSettings(Record, frozen=True):
     """The simulated ceiling camera: the match that it shows, its noise and its light."""
 
@@ -132,6 +150,7 @@ class SyntheticSettings(Record, frozen=True):
     shadows: Share
     clutter: bool
     walking_people: Annotated[int, Meta(ge=0, le=20)]
+    drive: DriveSettings
 
 
 class LightFaultSettings(Record, frozen=True):

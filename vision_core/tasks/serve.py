@@ -1,8 +1,8 @@
 """Task: sightings -> datagrams. Released by perception and by the datagrams of clients.
 
-Four parts, each in a file of its own, are joined here: ``Tracker`` (sightings -> world), ``Messages`` (world ->
-datagrams), ``UdpServer`` (datagrams -> clients; the order of sending is in ``net/delivery.py``) and ``DeliveryReport``
-(what the page shows of it).
+Five parts, each in a file of its own, are joined here: ``Tracker`` (sightings -> world), ``Messages`` (world ->
+datagrams), ``UdpServer`` (datagrams -> clients; the order of sending is in ``net/delivery.py``), ``Drivers`` (what
+clients ask of simulated robots) and ``DeliveryReport`` (what the page shows of it).
 
 The sessions are written to the database whenever they change and after every frame. So when this process ends
 unexpectedly, its successor goes on with the same clients, ports and Time.
@@ -12,10 +12,11 @@ from collections.abc import Sequence
 
 from vision_core.clock import Instant, seconds_between
 from vision_core.net.delivery_report import DeliveryReport
+from vision_core.net.drivers import Drivers
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.pipeline.warm_up import views as warm_up_views
-from vision_core.protocol.events import Event, Reply, RequestRefused
+from vision_core.protocol.events import Driven, Event, Reply, RequestRefused
 from vision_core.protocol.session import Sessions
 from vision_core.protocol.show import encode_show
 from vision_core.rtdb import records
@@ -62,6 +63,9 @@ class ServeTask:
         self._book = RuleBook(handle)
         self.server = _restored_server(handle, self._book)
         self._fairness = FairnessKeeper(handle, self.server.fairness)
+        self._drives = handle.raw_writer(records.DRIVES.name)
+        driven = handle.raw_reader(records.DRIVES.name).read(self._clock.now())
+        self._drivers = Drivers(self.server.sessions, driven.value if driven else None)
         self._report = DeliveryReport()
         self._serving = handle.writer(records.SERVING)
         self._lags = handle.raw_writer(records.LAG_HISTOGRAMS.name)
@@ -162,7 +166,10 @@ class ServeTask:
 
     def _note(self, events: Sequence[Event]) -> None:
         self._report.note_events(events, self.server, self._clock.now())
-        if not all(isinstance(event, (Reply, RequestRefused)) for event in events):  # a stranger changes no session
+        if self._drivers.note(events):
+            now = self._clock.now()
+            self._drives.write(self._drivers.record, now, now)
+        if not all(isinstance(event, (Reply, RequestRefused, Driven)) for event in events):  # these change no session
             self._save_sessions()
 
     def _save_sessions(self) -> None:

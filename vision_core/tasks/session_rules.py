@@ -10,12 +10,13 @@ from vision_core.models.from_settings import mirrors_of
 from vision_core.models.mirror import MM_PER_M
 from vision_core.net.udp import adopted
 from vision_core.protocol.admission import Admission
+from vision_core.protocol.driving import DriveLimits
 from vision_core.protocol.lifecycle import Port
 from vision_core.protocol.options import Options
 from vision_core.protocol.rules import ServerFacts, SessionRules
 from vision_core.rtdb import records
 from vision_core.scheduling.handle import Handle
-from vision_core.settings.schema import MatchViews, Settings
+from vision_core.settings.schema import SYNTHETIC, MatchViews, Settings
 from vision_core.types.objects import Team
 from vision_core.views.renderer import nearest_m
 
@@ -44,6 +45,7 @@ class RuleBook:
             admission=_admission(settings),
             facts=self._facts(settings),
             fixed=_fixed(settings.match.views) if settings.match.fixes_views else None,
+            drives=_drives(settings),
             keys={Team(team): digest for team, digest in keys.items()},
             monitor_key=monitor_key,
         )
@@ -70,6 +72,16 @@ def _fixed(views: MatchViews) -> Options:
         resolution_deg=views.resolution_deg,
         rate_hz=views.rate_hz or None,
     )
+
+
+def _drives(settings: Settings) -> dict[tuple[Team, int], DriveLimits]:
+    """What clients may ask of which robots: those of the simulated match."""
+    if settings.source.uri != SYNTHETIC:
+        return {}
+    drive = settings.synthetic.drive
+    limits = DriveLimits(drive.speed_m_s, drive.sideways_m_s, drive.turn_rad_s, drive.kick_m_s, drive.dribbler)
+    numbers = range(1, settings.synthetic.robots_per_team + 1)
+    return {(team, number): limits for team in Team for number in numbers}
 
 
 def _admission(settings: Settings) -> Admission:

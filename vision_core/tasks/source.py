@@ -2,21 +2,32 @@
 
 A real camera makes its images without using the service's time, so this task has no real-time priority. It makes the
 image that ``capture`` requested, in the slot of the ring that the request names, and reports when it is done. A source
-that fails is opened again once a second. The live settings ``[faults]`` spoil its images on the way.
+that fails is opened again once a second. The live settings ``[faults]`` spoil its images on the way. Before each image
+of a simulated match the robots' drivers are heard.
 """
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vision_core.capture.faults import FaultySource
-from vision_core.capture.source import open_played
-from vision_core.clock import NS_PER_S, Instant
+from vision_core.capture.source import PlayedSource, open_played
+from vision_core.clock import NS_PER_S, Instant, after
 from vision_core.errors import SourceError
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import FrameDone
+from vision_core.rtdb.infos import FrameDone, LiveSettings
 from vision_core.scheduling.handle import Handle, Step
 from vision_core.scheduling.releases import IDLE, RAN
+from vision_core.settings.schema import SYNTHETIC
 from vision_core.tasks.capture import REOPEN_EVERY_S, info_of
 from vision_core.timing.rate_keeper import RequestedKeeper
+from vision_core.types.drives import drives_from
+
+if TYPE_CHECKING:
+    from vision_core.capture.synthetic.world import World
+
+REPORT_EVERY_S = 0.2
+"""Between two reports of the game."""
 
 
 def start(handle: Handle) -> Step:
@@ -25,6 +36,41 @@ def start(handle: Handle) -> Step:
     player.fill()
     handle.every_turn(player.reopen)
     return lambda _release: RAN if player.fill() else IDLE
+
+
+class _Game:
+    """The simulated match: hears the robots' drivers, and reports what happens."""
+
+    def __init__(self, handle: Handle, world: "World") -> None:
+        self._clock = handle.clock
+        self._world = world
+        self._drives = handle.raw_reader(records.DRIVES.name)
+        self._report = handle.writer(records.GAME)
+        self._reported = Instant(0)
+        self._games: int | None = None
+
+    def go_on(self, live: LiveSettings) -> None:
+        """To be called before each image: follow the newest commands, and begin a new game if the operator says so."""
+        now = self._clock.now()
+        drives = self._drives.read(now)
+        if drives is not None:
+            self._world.drive(drives_from(drives.value), live.match, now)
+        if self._games not in (None, live.games):
+            self._world.begin_game()
+        self._games = live.games
+        if now >= after(self._reported, REPORT_EVERY_S):
+            self._reported = now
+            self._report.write(self._world.game, now, now)
+
+
+def _game_of(handle: Handle, played: PlayedSource) -> _Game | None:
+    """The match of a source, if it is simulated."""
+    if handle.settings.source.uri != SYNTHETIC:
+        return None
+    from vision_core.capture.synthetic.camera import SyntheticCamera
+
+    assert isinstance(played, SyntheticCamera)
+    return _Game(handle, played.world)
 
 
 class _Player:
@@ -38,9 +84,10 @@ class _Player:
         self._requests = handle.reader(records.frame_requests(camera.name))
         self._done = handle.writer(records.frames_done(camera.name))
         self._info = handle.writer(records.source(camera.name))
-        self._live = handle.reader(records.LIVE_SETTINGS)
+        self._live_reader = handle.reader(records.LIVE_SETTINGS)
         self._live_sequence = 0
-        self._faults = handle.settings.faults
+        self._live = LiveSettings.of(handle.settings)
+        self._game: _Game | None = None
         self._source: FaultySource | None = None
         self._keeper = RequestedKeeper(camera.rate_hz)
         self._opened = Instant(0)
@@ -65,7 +112,9 @@ class _Player:
             if source is None or timed is None or timed.sequence == self._filled:
                 return False
             request = timed.value
-            self._have_live_faults(source)
+            self._take_live_settings(source)
+            if self._game is not None:
+                self._game.go_on(self._live)
             self._keeper.request(request.instant)
             source.grab(np.frombuffer(self._frames.payload(request.slot), dtype=np.uint8).reshape(self._shape))
         except SourceError as error:
@@ -77,13 +126,14 @@ class _Player:
         self._handle.note = ""
         return True
 
-    def _have_live_faults(self, source: FaultySource) -> None:
-        if self._live.sequence == self._live_sequence:
+    def _take_live_settings(self, source: FaultySource) -> None:
+        if self._live_reader.sequence == self._live_sequence:
             return
-        self._live_sequence, live = self._live.sequence, self._live.read(self._handle.clock.now())
-        if live is not None and live.value.faults != self._faults:
-            self._faults = live.value.faults
-            source.have(self._faults)
+        self._live_sequence, live = self._live_reader.sequence, self._live_reader.read(self._handle.clock.now())
+        if live is not None:
+            before, self._live = self._live, live.value
+            if self._live.faults != before.faults:
+                source.have(self._live.faults)
 
     def _open(self) -> FaultySource | None:
         """Open the source, at most once a second; None in between. Raises SourceError."""
@@ -92,7 +142,8 @@ class _Player:
             return None
         self._opened = now
         played = open_played(self._handle.settings, self._handle.camera, self._handle.clock, paced=False)
-        source = FaultySource(played, self._faults)
+        self._game = _game_of(self._handle, played)
+        source = FaultySource(played, self._live.faults)
         source.prepare()
         source.keeper = self._keeper = RequestedKeeper(source.rate_hz)
         self._info.write(info_of(source, self._handle.settings.source.uri), now, now)

@@ -7,6 +7,7 @@
                           +-> obstacles --------------------+ |
                           +-> boundary, lines, exposure, colors, diagnose      web <- everything that was written
                           +-> overlay <- looking <- web
+       source <- drives <- serve, and source -> game -> web: robots that clients drive in a simulated match
 
 This table declares what releases a task, what it reads and what it writes. The settings (``[tasks]`` of
 config/default.toml) declare its times: priority, period, offset, budget, process. A venue may add its own tasks there.
@@ -27,7 +28,7 @@ from vision_core.rtdb.layout import RecordSpec
 from vision_core.rtdb.log_record import LOG
 from vision_core.rtdb.task import DRIVER, NONE, PERIOD, Task
 from vision_core.scheduling.checks import TableProblem, problems
-from vision_core.settings.schema import Settings, TaskSettings
+from vision_core.settings.schema import SYNTHETIC, Settings, TaskSettings
 
 COMPILER = "compile"
 """Process that compiles the kernels once, before the tasks start."""
@@ -83,8 +84,8 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     yield line(
         "serve",
         sightings,
-        [sightings, obstacles, "sessions", "fairness"],
-        ["world", "views", "serving", "sessions", "lags", "fairness", "fairness_ended"],
+        [sightings, obstacles, "sessions", "drives", "fairness"],
+        ["world", "views", "serving", "sessions", "drives", "lags", "fairness", "fairness_ended"],
         sockets=("main", "session"),
         on_frame_path=True,
         purpose="sends every robot its view",
@@ -105,6 +106,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     watched = [record for task in watchers for record in task.writes]
     shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay, palette]
     shown += ["processes", "selftest", "log", "world", "views", "serving", "lags", "fairness", "fairness_ended"]
+    shown += _game_records(settings)
     yield line(
         "web",
         NONE,
@@ -129,11 +131,16 @@ def _camera_tasks(settings: Settings, camera: str) -> Iterator[Task]:
     yield line(
         SOURCE,
         requests,
-        [requests, done, frames],
-        [done, source],
+        [requests, done, frames, "drives"],
+        [done, source, *_game_records(settings)],
         purpose="plays the camera",
         period_owner="the task capture",
     )
+
+
+def _game_records(settings: Settings) -> list[str]:
+    """The record of the match, where it is simulated."""
+    return [records.GAME.name] if settings.source.uri == SYNTHETIC else []
 
 
 def _line(
@@ -207,6 +214,7 @@ def record_specs(settings: Settings, tasks: Sequence[Task], processes: Sequence[
         records.LOOKING.spec,
         records.overlay(camera.name).spec,
         records.SESSIONS,
+        records.DRIVES,
         records.LAG_HISTOGRAMS,
         records.FAIRNESS_RECORD,
         records.FAIRNESS_ENDED,

@@ -18,7 +18,7 @@ OPERATORS_READ = frozenset(
 )
 OPERATORS_FOLDERS = ("/api/v1/new-venue", "/api/v1/calibration")
 """Everything of them is the operator's: pictures that somebody gave."""
-TEAMS_READ = frozenset({"/api/v1/me", "/api/v1/field", "/api/v1/match", "/live"})
+TEAMS_READ = frozenset({"/api/v1/me", "/api/v1/field", "/api/v1/match", "/api/v1/game", "/live"})
 """What a team needs for its own page, where viewers are kept out."""
 
 

@@ -126,6 +126,12 @@ class Configuration:
             self._publisher.begin_fairness()
             self.publish()
 
+    def begin_game(self) -> None:
+        """Begin a new game of the simulated match."""
+        with self._lock:
+            self._publisher.begin_game()
+            self.publish()
+
     def end_admissions(self) -> None:
         """Delete the admissions whose time is over; to be called once a second or so."""
         with self._lock:

@@ -25,6 +25,7 @@ class LivePublisher:
         self._published = stored.value if stored else None
         self._ended: tuple[EndedSession, ...] = stored.value.ended if stored else ()
         self._fairness_asked = stored.value.fairness_asked if stored else Instant(0)
+        self._games = stored.value.games if stored else 0
 
     def end_session(self, team: Team, number: int, since: Instant) -> None:
         """Remember a session that is to end; ``publish`` tells it."""
@@ -33,6 +34,10 @@ class LivePublisher:
     def begin_fairness(self) -> None:
         """A new record of fairness is to begin; ``publish`` tells it."""
         self._fairness_asked = self._clock.now()
+
+    def begin_game(self) -> None:
+        """Remember that a new game is to begin; ``publish`` tells it."""
+        self._games += 1
 
     def publish(
         self, settings: Settings, started: Settings, revision: int, keys: Mapping[str, str], monitor_key: str | None
@@ -50,6 +55,7 @@ class LivePublisher:
             keys=dict(keys),
             monitor_key=monitor_key,
             fairness_asked=self._fairness_asked,
+            games=self._games,
         )
         if live != self._published:
             self._writer.write(live, now, now)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.capture.synthetic.physics import no_bodies
+from vision_core.capture.synthetic.bodies import no_bodies
 from vision_core.capture.synthetic.render import Renderer
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.geometry import Bytes, Floats

@@ -18,6 +18,6 @@ the camera, the farthest first: nearer bodies cover those behind them (painter's
 The instant of an image is the middle of its exposure. The camera delivers pixels only; the ground truth is for
 scoring (``truth``).
 
-Files, outside in: ``camera``, ``world``, ``players``, ``physics``, ``render``, ``sprites``, ``background``,
-``floor``, ``noise``, ``truth``.
+Files, outside in: ``camera``, ``world``, ``players``, ``drivers``, ``game``, ``people``, ``physics``, ``contacts``,
+``bodies``, ``render``, ``sprites``, ``background``, ``floor``, ``noise``, ``truth``.
 """

@@ -37,14 +37,14 @@ class SyntheticCamera:
         self.description = f"synthetic, seed {settings.synthetic.seed}"
         self._settings = settings
         self._camera = camera
-        self._world = World(settings)
+        self.world = World(settings)
         self.keeper: Keeper = rate_keeper(self.rate_hz, clock, paced=paced)
         self._shown = -1
         self._last: tuple[Instant, Snapshot] | None = None
 
     @cached_property
     def _renderer(self) -> Renderer:
-        return Renderer(self._settings, self._camera, self._world.robots_worn)
+        return Renderer(self._settings, self._camera, self.world.robots_worn)
 
     @property
     def truth(self) -> Truth:
@@ -52,11 +52,11 @@ class SyntheticCamera:
         if self._last is None:
             raise SourceError("truth of the synthetic camera", found="no image yet", accepted="a call of grab before")
         instant, scene = self._last
-        return truth_of(instant, scene, self._world.robots_worn, self._camera, self._settings)
+        return truth_of(instant, scene, self.world.robots_worn, self._camera, self._settings)
 
     def prepare(self) -> None:
         """Render the background; compile the kernels or load them from their cache."""
-        self._renderer.draw(self._camera.black_image(), self._world.snapshot())
+        self._renderer.draw(self._camera.black_image(), self.world.snapshot())
 
     def grab(self, pixels: Bytes) -> Instant:
         """Render the next image, as ``ImageSource.grab``; the instant is the middle of its exposure.
@@ -66,9 +66,9 @@ class SyntheticCamera:
         renderer = self._renderer
         instant = self.keeper.choose()
         periods = max(self.keeper.number - self._shown, 0)
-        self._world.advance(min(periods / self.rate_hz, MAX_LEAP_S))
+        self.world.advance(min(periods / self.rate_hz, MAX_LEAP_S))
         self._shown = self.keeper.number
-        scene = self._world.snapshot()
+        scene = self.world.snapshot()
         self._last = instant, scene
         renderer.draw(pixels, scene)
         return self.keeper.sleep()

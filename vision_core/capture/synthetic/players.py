@@ -7,12 +7,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from vision_core.capture.synthetic.physics import HEADING, VX, VY, X, Y, holds_ball
+from vision_core.capture.synthetic.bodies import HEADING, VX, VY, X, Y
+from vision_core.capture.synthetic.contacts import holds_ball
 from vision_core.geometry import Floats, wrap_angle
 from vision_core.models.field import accepted_half_extent, goal_line_x
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
+
+Mask = NDArray[np.bool_]
 
 KEEPER_BEFORE_GOAL_M = 0.14
 """Distance of a keeper from its goal line."""
@@ -60,12 +64,19 @@ class Players:
         self._held_since_s: dict[int, float] = {}
         self._chasers: dict[Team, int] = {}
 
-    def decide(self, robots: Floats, ball: Floats, time_s: float, commands: Floats, *, in_play: bool) -> None:
-        """Write each robot's command, rows vx, vy, turn rate, shape (n, 3), and let robots kick the ball."""
+    def decide(
+        self, robots: Floats, ball: Floats, time_s: float, commands: Floats, driven: Mask, *, in_play: bool
+    ) -> None:
+        """Write each robot's command, rows vx, vy, turn rate, shape (n, 3), and let robots kick the ball.
+
+        driven: the robots for which somebody else decides, shape (n,).
+        """
         if not self._max_speed_m_s:
             return
-        self._choose_chasers(robots, ball)
+        self._choose_chasers(robots, ball, driven)
         for i, player in enumerate(self._players):
+            if driven[i]:
+                continue
             if in_play and i in self._chasers.values():
                 target, facing = self._chase(robots[i], ball, player)
                 self._kick_when_ready(i, robots[i], ball, time_s)
@@ -81,10 +92,10 @@ class Players:
             turn = TURN_GAIN_PER_S * wrap_angle(facing - robots[i, HEADING])
             commands[i] = (*velocity, min(max(turn, -MAX_TURN_RAD_S), MAX_TURN_RAD_S))
 
-    def _choose_chasers(self, robots: Floats, ball: Floats) -> None:
+    def _choose_chasers(self, robots: Floats, ball: Floats, driven: Mask) -> None:
         """Choose each team's robot nearest to the ball. The present chaser stays unless another is clearly nearer."""
         for team in Team:
-            members = [i for i, player in enumerate(self._players) if player.team == team]
+            members = [i for i, player in enumerate(self._players) if player.team == team and not driven[i]]
             fielders = [i for i in members if not self._players[i].keeper] or members
             present = self._chasers.get(team)
             if fielders:
@@ -92,6 +103,8 @@ class Players:
                     i: math.hypot(*(robots[i, :2] - ball[:2])) * (0.7 if i == present else 1.0) for i in fielders
                 }
                 self._chasers[team] = min(distance, key=distance.__getitem__)
+            else:
+                self._chasers.pop(team, None)
 
     def _chase(self, robot: Floats, ball: Floats, player: Player) -> tuple[Floats, float]:
         """Target and facing of a chaser: a point behind the ball, round the ball if need be, then the ball itself."""

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision_core.capture.synthetic.background import make_background
+from vision_core.capture.synthetic.bodies import FRONT_RADII, no_bodies
 from vision_core.capture.synthetic.floor import FOOTPRINT_PX, GRID
 from vision_core.capture.synthetic.noise import SensorNoise
-from vision_core.capture.synthetic.physics import FRONT_RADII, no_bodies
 from vision_core.capture.synthetic.sprites import LIGHT_X, LIGHT_Y, LIGHT_Z, Prism, draw_ball, draw_prism, draw_shadow
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.errors import SourceError

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision_core.capture.synthetic.physics import FRONT_RADII
+from vision_core.capture.synthetic.bodies import FRONT_RADII
 from vision_core.capture.synthetic.sprites import meets_body
 from vision_core.capture.synthetic.world import Snapshot
 from vision_core.clock import Instant

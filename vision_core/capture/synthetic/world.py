@@ -1,16 +1,23 @@
 """The simulated world: robots that play, a ball, people who walk beside the field."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vision_core.capture.synthetic.physics import FRONT_RADII, HEADING, STEP_S, TURN_RATE, VX, VY, X, Y, move, no_bodies
+from vision_core.capture.synthetic.bodies import FRONT_RADII, HEADING, STEP_S, TURN_RATE, VX, VY, X, Y, no_bodies
+from vision_core.capture.synthetic.drivers import DriverDesk
+from vision_core.capture.synthetic.game import GameCount
+from vision_core.capture.synthetic.people import feet_at, feet_paths
+from vision_core.capture.synthetic.physics import move
 from vision_core.capture.synthetic.players import Player, Players
-from vision_core.geometry import Floats, wrap_angle
+from vision_core.clock import Instant
+from vision_core.geometry import Floats
 from vision_core.models.field import accepted_half_extent, field_segments, goal_line_x, is_accepted
 from vision_core.models.from_settings import robots_of
-from vision_core.settings.schema import RobotSettings, Settings
+from vision_core.settings.schema import MatchSettings, RobotSettings, Settings
+from vision_core.types.drives import Drives
+from vision_core.types.game import DrivenRobot, Game
 from vision_core.types.objects import Team
 
 DECIDE_EVERY = 8
@@ -24,9 +31,6 @@ KICK_OFF_SPEED_M_S = 0.8
 """Speed of a ball that is put back, in a random direction."""
 CANDIDATE_PLACES = 200
 """Random places that are tried for a robot or the ball."""
-WALK_M_S = 0.5
-STRIDE_S = 1.1
-"""Mean speed of a person, and period of a foot's motion: it stops once per stride."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +46,10 @@ class Snapshot:
 
 
 class World:
-    """Simulates the match in fixed time steps. Equal seeds give equal matches, whatever the frame rate."""
+    """Simulates the match in fixed time steps.
+
+    Equal seeds give equal matches, whatever the frame rate, unless clients drive robots.
+    """
 
     def __init__(self, settings: Settings) -> None:
         field = settings.field
@@ -57,6 +64,9 @@ class World:
         self._solids = np.array(solids, dtype=np.float64).reshape(-1, 4)
         self.robots_worn = _markers_worn(settings)
         """Team and marker id of each robot."""
+        self._desk = DriverDesk(settings.synthetic.drive, self.robots_worn)
+        self._game = GameCount([team for team, _ in self.robots_worn])
+        self._blue_defends = settings.match.blue_defends
         self._time_s = 0.0
         self._steps = 0
         self._robots = no_bodies(len(self.robots_worn))
@@ -65,7 +75,7 @@ class World:
         self._place_all()
         players = _players(self.robots_worn, settings.match.blue_defends)
         self._players = Players(settings, players, self._rng)
-        self._feet = _feet_paths(settings)
+        self._feet = feet_paths(settings)
         self._out_since_s: float | None = None
         self._last_move = (0.0, self._ball[:2].copy())
 
@@ -78,10 +88,38 @@ class World:
                 now = self._steps * STEP_S
                 self._referee(now)
                 in_play = self._out_since_s is None
-                self._players.decide(self._robots, self._ball, now, self._commands, in_play=in_play)
+                driven = self._desk.drivers.driven
+                self._players.decide(self._robots, self._ball, now, self._commands, driven, in_play=in_play)
             count = min(target - self._steps, DECIDE_EVERY - self._steps % DECIDE_EVERY)
-            move(self._robots, self._commands, self._ball, self._solids, self._half, self._radii, count)
+            move(
+                self._robots, self._commands, self._desk.drivers, self._ball, self._solids, self._half, self._radii,
+                self._game.tally, count,
+            )  # fmt: skip
+            self._game.pass_time(count * STEP_S)
             self._steps += count
+
+    def drive(self, drives: Drives, match: MatchSettings, now: Instant) -> None:
+        """Have robots follow the newest commands of their drivers from now on.
+
+        match: who wears which marker, and which goal is whose.
+        """
+        self._blue_defends = match.blue_defends
+        self._desk.take(drives, match, now)
+
+    @property
+    def game(self) -> Game:
+        """What has happened since the game began."""
+        desk = self._desk
+        driven = (
+            DrivenRobot(self.robots_worn[robot][0], int(desk.numbers[robot]), bool(desk.silent[robot]))
+            for robot in np.flatnonzero(desk.drivers.driven)
+        )
+        return replace(self._game.report(), driven=tuple(driven))
+
+    def begin_game(self) -> None:
+        """Count anew, and put the ball down anew. The robots stay where they are."""
+        self._game.begin()
+        self._put_ball_down()
 
     def snapshot(self) -> Snapshot:
         """State at the present time: the last step's, extrapolated at constant velocity."""
@@ -89,7 +127,7 @@ class World:
         return Snapshot(
             robots=_extrapolated(self._robots, rest_s),
             ball=_extrapolated(self._ball[None], rest_s)[0],
-            feet=_feet_at(self._feet, self._time_s),
+            feet=feet_at(self._feet, self._time_s),
         )
 
     def _referee(self, now_s: float) -> None:
@@ -103,10 +141,18 @@ class World:
             self._out_since_s = None
         elif self._out_since_s is None:
             self._out_since_s = now_s
+            if abs(x) > self._goal_x and abs(y) < self._field.goal.width_m / 2.0 and self._field.goal.depth_m:
+                signs = _attack_signs(self._blue_defends)
+                self._game.score(next(team for team in Team if signs[team] * x > 0.0))
         over = self._out_since_s is not None and now_s - self._out_since_s >= PAUSE_S
-        if self._moving and (over or now_s - self._last_move[0] > STUCK_S):
-            self._place_ball()
-            self._last_move = (now_s, self._ball[:2].copy())
+        in_use = self._moving or bool(self._desk.drivers.driven.any())
+        if in_use and (over or now_s - self._last_move[0] > STUCK_S):
+            self._put_ball_down()
+
+    def _put_ball_down(self) -> None:
+        self._place_ball()
+        self._game.lose_ball()
+        self._last_move = (self._steps * STEP_S, self._ball[:2].copy())
 
     def _place_all(self) -> None:
         for i in range(len(self._robots)):
@@ -168,40 +214,3 @@ def _extrapolated(bodies: Floats, duration_s: float) -> Floats:
     moved_bodies = bodies.copy()
     moved_bodies[:, X : HEADING + 1] += bodies[:, VX : TURN_RATE + 1] * duration_s
     return moved_bodies
-
-
-def _feet_paths(settings: Settings) -> Floats:
-    """Straight paths beside the field on which people walk back and forth: x1, y1, x2, y2, phase [s]; shape (m, 5)."""
-    rng = np.random.default_rng([settings.synthetic.seed, 2])
-    half_x, half_y = accepted_half_extent(settings.field)
-    goal = settings.field.goal.width_m / 2.0 + 0.25
-    corner = max(half_y - 0.05, goal + 0.2)
-    paths = []
-    for i in range(settings.synthetic.walking_people):
-        away = rng.uniform(0.10, 0.22)
-        across = (-1.0 if i % 2 else 1.0) * (half_x + away)
-        along = (-1.0 if i % 4 < 2 else 1.0) * (half_y + away)
-        path = (across, goal, across, corner) if i % 3 < 2 else (-0.8 * half_x, along, 0.8 * half_x, along)
-        paths.append((*path, rng.uniform(0.0, 20.0)))
-    return np.array(paths).reshape(-1, 5)
-
-
-def _feet_at(paths: Floats, time_s: float) -> Floats:
-    """Feet on their paths at a time. Each foot stops once per stride; people turn round at the ends."""
-    feet = no_bodies(len(paths))
-    for i, (x1, y1, x2, y2, phase_s) in enumerate(paths):
-        length = math.hypot(x2 - x1, y2 - y1)
-        step_rate = math.tau / STRIDE_S
-        now = time_s + phase_s
-        walked_m = WALK_M_S * (now - math.sin(step_rate * now) / step_rate)
-        speed = WALK_M_S * (1.0 - math.cos(step_rate * now))
-        on_way_out = walked_m % (2.0 * length) < length
-        fraction = walked_m % length / length
-        angle = math.atan2(y2 - y1, x2 - x1)
-        if not on_way_out:
-            fraction, angle = 1.0 - fraction, wrap_angle(angle + math.pi)
-        feet[i] = (
-            x1 + fraction * (x2 - x1), y1 + fraction * (y2 - y1), angle,
-            speed * math.cos(angle), speed * math.sin(angle), 0.0,
-        )  # fmt: skip
-    return feet

@@ -545,6 +545,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/game": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Game
+         * @description Score, possession, collisions, and which robots are driven by programs, from the simulation's truth.
+         */
+        get: operations["game_api_v1_game_get"];
+        put?: never;
+        /**
+         * Begin Game
+         * @description Begins a new game: counts anew and puts the ball down anew; the robots stay where they are.
+         */
+        post: operations["begin_game_api_v1_game_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/log": {
         parameters: {
             query?: never;
@@ -2924,6 +2948,20 @@ export interface components {
             width_px: number;
         };
         /**
+         * DrivenRobotReport
+         * @description A robot that a client's program drives.
+         */
+        DrivenRobotReport: {
+            /** Number */
+            number: number;
+            /**
+             * Silent
+             * @description Its program has sent no command for too long, so the robot stands.
+             */
+            silent: boolean;
+            team: components["schemas"]["Team"];
+        };
+        /**
          * EdgeReport
          * @description An edge.
          */
@@ -3337,6 +3375,28 @@ export interface components {
             shared_mm: number;
             /** Shared Px */
             shared_px: number;
+        };
+        /**
+         * GameReport
+         * @description A game since it began.
+         */
+        GameReport: {
+            blue: components["schemas"]["TeamGameReport"];
+            /**
+             * Collisions
+             * @description Contacts of two robots that have begun.
+             */
+            collisions: number;
+            /** Driven */
+            driven: components["schemas"]["DrivenRobotReport"][];
+            /** @description The team whose robot touched the ball last; null: nobody, since it was put down. */
+            owner: components["schemas"]["Team"] | null;
+            /**
+             * Played S
+             * @description Time of the simulation [s].
+             */
+            played_s: number;
+            yellow: components["schemas"]["TeamGameReport"];
         };
         /**
          * GoalMeasures
@@ -5327,6 +5387,19 @@ export interface components {
              */
             sent: number;
             team: components["schemas"]["Team"];
+        };
+        /**
+         * TeamGameReport
+         * @description One team's part of a game.
+         */
+        TeamGameReport: {
+            /** Goals */
+            goals: number;
+            /**
+             * Possession S
+             * @description How long a robot of the team was the last one that touched the ball [s].
+             */
+            possession_s: number;
         };
         /**
          * TeamReport
@@ -7404,6 +7477,98 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Field"];
+                };
+            };
+        };
+    };
+    game_api_v1_game_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GameReport"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    begin_game_api_v1_game_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Nobody is logged in */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Only the operator may change something, from our own page or a program, as JSON */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description There is nothing of this name */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description It does not fit to the present state, or somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description A value is not accepted: ``field`` names it, ``accepted`` says what would be */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
         };

@@ -24,6 +24,7 @@ export type Team = Schemas["TeamReport"];
 export type TeamRequest = Schemas["TeamRequest"];
 export type Monitors = Schemas["MonitorsReport"];
 export type Match = Schemas["MatchReport"];
+export type Game = Schemas["GameReport"];
 export type Setting = Schemas["SettingReport"];
 export type Settings = Schemas["SettingsReport"];
 export type Sources = Schemas["SourcesReport"];

@@ -1,0 +1,54 @@
+"""Goals, possession and collisions of the simulated match."""
+
+import numpy as np
+import pytest
+
+from vision_core.capture.synthetic.game import GameCount
+from vision_core.capture.synthetic.world import World
+from vision_core.models.field import goal_line_x
+from vision_core.types.objects import Team
+from vision_core.venues.loader import load_settings
+
+PERIOD_S = 1.0 / 30.0
+
+
+def test_goals_are_those_that_the_ball_shows() -> None:
+    settings = load_settings(options={"synthetic.seed": 3})
+    world, line, inside = World(settings), goal_line_x(settings.field), 0
+    goals = {Team.BLUE: 0, Team.YELLOW: 0}
+    for _ in range(9000):
+        world.advance(PERIOD_S)
+        x = float(world.snapshot().ball[0])
+        side = int(np.sign(x)) if abs(x) > line else 0
+        if side and not inside:  # blue defends the left
+            goals[Team.BLUE if side > 0 else Team.YELLOW] += 1
+        inside = side
+    game = world.game
+    assert (game.blue.goals, game.yellow.goals) == (goals[Team.BLUE], goals[Team.YELLOW])
+    assert sum(goals.values()) > 2
+    assert game.collisions > 0
+    assert 0.0 < game.blue.possession_s + game.yellow.possession_s < game.played_s == pytest.approx(300.0, abs=0.1)
+
+
+def test_the_team_that_touched_the_ball_last_possesses_it() -> None:
+    count = GameCount([Team.BLUE, Team.YELLOW])
+    count.pass_time(1.0)
+    for robot, duration_s in ((0, 2.0), (1, 3.0)):
+        count.tally.touched[0] = robot
+        count.pass_time(duration_s)
+    count.lose_ball()
+    count.pass_time(4.0)
+    game = count.report()
+    assert (game.played_s, game.blue.possession_s, game.yellow.possession_s, game.owner) == (10.0, 2.0, 3.0, None)
+
+
+def test_a_new_game_begins_at_nothing_and_the_robots_stay() -> None:
+    world = World(load_settings())
+    for _ in range(900):
+        world.advance(PERIOD_S)
+    before = world.snapshot()
+    world.begin_game()
+    after = world.snapshot()
+    assert (world.game.played_s, world.game.collisions, world.game.blue.possession_s) == (0.0, 0, 0.0)
+    assert np.array_equal(before.robots, after.robots)
+    assert not np.array_equal(before.ball, after.ball)
