@@ -141,9 +141,15 @@ GRID = [k / 100 for k in range(1000)]
     ],
 )
 def test_losses_are_counted(lost: list[int], grade: Grade, said: str) -> None:
-    finding = on_losses(watched([time for k, time in enumerate(GRID) if k not in lost]))
+    finding = on_losses(watched([time for k, time in enumerate(GRID) if k not in lost]), 0.01)
     assert finding.grade is grade
     assert finding.sentence.startswith(said)
+
+
+def test_views_that_a_match_thins_out_are_not_missing() -> None:
+    uneven = [time + (0.004 if k % 3 else 0.0) for k, time in enumerate(GRID)]
+    for period_s in (0.002, None):
+        assert on_losses(watched(uneven), period_s).sentence.startswith("0 of 1000 views are missing")
 
 
 def test_rate_and_lag_are_judged() -> None:

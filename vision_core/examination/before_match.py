@@ -94,8 +94,9 @@ def _views(robot: Connection, seconds: float, clock: Clock) -> Iterator[Finding]
     yield on_sight(watched, f"{robot.init.team} {robot.init.number}")
     if len(watched.views) < FEWEST_VIEWS:
         return
-    yield on_rate(watched, robot.facts.period_ms / MS_PER_S if robot.facts else None)
-    yield on_losses(watched)
+    period_s = robot.facts.period_ms / MS_PER_S if robot.facts else None
+    yield on_rate(watched, period_s)
+    yield on_losses(watched, period_s)
     yield on_lag(watched)
     yield on_clock(robot)
 

@@ -16,6 +16,8 @@ NOTHING = "-"
 """Letter of a direction in which nothing is within range."""
 GOOD_LOSS, BAD_LOSS = 0.005, 0.05
 """Share of the views that are missing: up to the first good, above the second bad."""
+THINNED = 1.5
+"""Periods of the camera: views that come more seldom are thinned out."""
 GOOD_LAG_PERIODS = 2.0
 GOOD_BOUND_S = 1e-3
 ENOUGH_RATE = 0.95
@@ -70,23 +72,27 @@ def on_rate(watched: Watched, period_s: float | None) -> Finding:
     wanted_hz = 1.0 / period_s
     if rate_hz >= ENOUGH_RATE * wanted_hz:
         return good("rate", f"{said}; the camera takes {wanted_hz:.1f} images a second")
-    return doubtful(
-        "rate", f"{said}, but the camera takes {wanted_hz:.1f} images a second: a match may fix a lower rate"
-    )
+    why = "a match fixes a lower rate, or the server or the network does not keep up"
+    return doubtful("rate", f"{said}, but the camera takes {wanted_hz:.1f} images a second: {why}")
 
 
-def on_losses(watched: Watched) -> Finding:
-    """How many views are missing between those that came, and how long was the longest gap?"""
+def on_losses(watched: Watched, period_s: float | None) -> Finding:
+    """How many images gave no view, and how long was the longest gap? period_s: as in ``on_rate``.
+
+    Where views come much more seldom than images, a match has fixed their rate, and their own period counts.
+    """
     intervals_s = watched.intervals_s
-    period_s = float(np.median(intervals_s))
-    missing = int(np.rint(intervals_s / period_s - 1.0).sum())
-    share = missing / (missing + len(watched.views))
+    usual_s = float(np.median(intervals_s))
+    if period_s is None or usual_s > THINNED * period_s:
+        period_s = usual_s
+    missing = int(np.maximum(np.rint(intervals_s / period_s) - 1.0, 0.0).sum())
+    images = missing + len(watched.views)
     gap_ms = float(intervals_s.max()) * MS_PER_S
-    said = f"{missing} of {missing + len(watched.views)} views are missing; the longest gap is {gap_ms:.0f} ms"
-    if share <= GOOD_LOSS:
+    said = f"{missing} of {images} views are missing; the longest gap is {gap_ms:.0f} ms"
+    if missing <= GOOD_LOSS * images:
         return good("losses", said)
-    cure = "a cable, 5 GHz, or a free channel loses fewer"
-    return (doubtful if share <= BAD_LOSS else bad)("losses", f"{said}: {cure}")
+    cure = "the network loses them (a cable or a free channel loses fewer), or the server is too slow"
+    return (doubtful if missing <= BAD_LOSS * images else bad)("losses", f"{said}: {cure}")
 
 
 def on_lag(watched: Watched) -> Finding:
