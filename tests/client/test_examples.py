@@ -90,13 +90,15 @@ def test_a_server_that_is_not_ready_or_busy_is_asked_again(error: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_robot_that_the_camera_does_not_see_is_one_line() -> None:
-    with ScriptedServer(lambda data: [b"(init blue 3 play_on)"] if data.startswith(b"(init") else []) as server:
+def test_a_robot_that_the_camera_does_not_see_is_one_line_and_it_waits_for_views() -> None:
+    granted, see = b"(init blue 3 play_on)", b"(see 1.000 ((edge) w2c) ((ball) -1 0 0))"
+    answers = iter([[granted]] * 6 + [[granted, see]])
+    with ScriptedServer(lambda _: next(answers, [])) as server:
         done = run_stdlib_client(server.port)
-    assert done.returncode == 1
+    assert done.returncode == 0
     (line,) = done.stderr.splitlines()
-    assert line.startswith("connected as blue 3, but no view")
-    assert server.heard[-1] == b"(bye)"
+    assert line.startswith("no view for 5 s: the camera does not see the robot")
+    assert server.heard == [b"(init blue 3)"] * 7 + [b"(bye)"]
 
 
 @pytest.mark.parametrize("lost", [0, 1])

@@ -30,6 +30,17 @@ def c_words(port: str, built: Path) -> list[str]:
     return [*c_command(built), "blue", "3", "127.0.0.1", port, FOREVER]
 
 
+def test_the_client_of_the_page_survives_a_restart_and_what_is_malformed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shorten(monkeypatch, FOR_PROGRAMS)
+    port = str(free_port())
+    script = str(Path(__file__).parents[2] / "examples" / "stdlib_client.py")
+    for act in ("malformed", "restart"):
+        words = ["--", sys.executable, script, "blue", "3", "127.0.0.1", port, FOREVER]
+        assert main(["check-client", "--port", port, "--only", act, *words]) == Grade.GOOD, capsys.readouterr().out
+
+
 @pytest.mark.parametrize("words", [python_words, c_words], ids=["python", "c"])
 def test_a_client_that_is_shipped_is_a_good_one(
     words: Words, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
