@@ -47,7 +47,7 @@ def answers_to(stadium: Stadium, datagram: bytes, port: int) -> list[bytes]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.bind(("127.0.0.1", 0))
         stranger.sendto(datagram, ("127.0.0.1", port))
-        stadium.serve()
+        stadium.serve(0.0)  # on loopback it has arrived, or the kernel has dropped it
         stranger.setblocking(False)
         found = []
         while True:
@@ -55,6 +55,11 @@ def answers_to(stadium: Stadium, datagram: bytes, port: int) -> list[bytes]:
                 found.append(stranger.recv(2048))
             except BlockingIOError:
                 return found
+
+
+def counted(stadium: Stadium) -> int:
+    """Datagrams that were received, or dropped by the kernel since they can be no command."""
+    return stadium.server.sessions.counts.received + stadium.server.dropped_by_kernel
 
 
 @pytest.mark.parametrize("where", ["main", "session"])
@@ -66,9 +71,9 @@ def test_a_bad_datagram_gets_at_most_one_short_error_and_is_counted(
     with robot(stadium, b"(init yellow 1)") as client:
         stadium.serve()
         assert client.recv(2048) == b"(init yellow 1 play_on)"
-        before = stadium.server.sessions.counts.received
+        before = counted(stadium)
         found = answers_to(stadium, datagram, port)
-        assert stadium.server.sessions.counts.received == before + 1
+        assert counted(stadium) == before + 1
         assert len(found) <= 1
         assert all(len(error) <= LONGEST_ERROR and error.startswith(b"(error illegal_") for error in found)
         assert found or len(datagram) > MAX_COMMAND or not datagram.startswith(b"(")
