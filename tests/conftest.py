@@ -10,6 +10,9 @@ import hypothesis
 import pytest
 
 hypothesis.settings.register_profile("untimed", deadline=None)  # a loaded machine is no fault of the code
+hypothesis.settings.register_profile(
+    "long", deadline=None, max_examples=10_000
+)  # pytest --hypothesis-profile long --timeout 0
 hypothesis.settings.load_profile("untimed")
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["PSLV_DATA_DIR"] = str(ROOT / ".pslv")  # before anything imports a kernel

@@ -8,9 +8,9 @@ import ctypes
 import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
@@ -55,18 +55,15 @@ def cable() -> Iterator[int]:
 
 def there(pid: int, what: Callable[[], Made]) -> Made:
     """Do something in the other namespace: a socket stays where it was made."""
-    made: list[Made] = []
 
-    def run() -> None:
+    def run() -> Made:
         with Path(f"/proc/{pid}/ns/net").open() as other:
             if ctypes.CDLL(None, use_errno=True).setns(other.fileno(), CLONE_NEWNET):
                 raise OSError(ctypes.get_errno(), "setns")
-        made.append(what())
+        return what()
 
-    thread = threading.Thread(target=run)
-    thread.start()
-    thread.join()
-    return made[0]
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(run).result()
 
 
 @contextlib.contextmanager

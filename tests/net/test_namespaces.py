@@ -1,13 +1,14 @@
-"""Two computers and a cable, as network namespaces: interfaces and addresses that come and go."""
+"""Two computers and a cable, as network namespaces: interfaces and addresses that come and go, and attacks."""
 
 import shutil
 import subprocess
 import sys
+from types import ModuleType
 
 import pytest
 
 from tests.client.test_command import environment
-from tests.net.namespace_scenes import SCENES
+from tests.net import attack_scenes, namespace_scenes
 
 pytestmark = pytest.mark.slow
 
@@ -27,8 +28,10 @@ def own_network() -> list[str]:
     return OWN
 
 
-@pytest.mark.parametrize("scene", sorted(SCENES))
-def test_a_scene(scene: str, own_network: list[str]) -> None:
-    command = [*own_network, sys.executable, "-m", "tests.net.namespace_scenes", scene]
+@pytest.mark.parametrize(
+    ("module", "scene"), [(module, name) for module in (namespace_scenes, attack_scenes) for name in module.SCENES]
+)
+def test_a_scene(module: ModuleType, scene: str, own_network: list[str]) -> None:
+    command = [*own_network, sys.executable, "-m", module.__name__, scene]
     played = subprocess.run(command, env=environment(), capture_output=True, text=True, check=False)
     assert (played.returncode, played.stdout) == (0, f"{scene}\n"), played.stderr

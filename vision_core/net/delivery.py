@@ -31,7 +31,7 @@ MSG_DONTWAIT = 0x40
 MSG_NOSIGNAL = 0x4000
 SEND_FLAGS = MSG_DONTWAIT | MSG_NOSIGNAL
 CONNECTION_REFUSED = errno.ECONNREFUSED
-HOST_UNREACHABLE, NET_UNREACHABLE = errno.EHOSTUNREACH, errno.ENETUNREACH
+HOST_UNREACHABLE = errno.EHOSTUNREACH
 
 _send = external("send", "intp(int32, uintp, uintp, int32)")
 _errno_address = external("__errno_location", "CPointer(int32)()")
@@ -115,7 +115,7 @@ def send_all(
             rows[k].result = DROPPED
             if error == CONNECTION_REFUSED:
                 rows[k].result = REFUSED
-            elif error in (HOST_UNREACHABLE, NET_UNREACHABLE):
+            elif error == HOST_UNREACHABLE:
                 rows[k].result = UNREACHABLE
         _clock_gettime(CLOCK_MONOTONIC, now.ctypes.data)
         rows[k].sent_at = now[0] * NS_PER_S + now[1]

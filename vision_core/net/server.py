@@ -247,7 +247,7 @@ class UdpServer:
         for row in order[:count] if refusals else ():
             session, sent_at = self._in_table[row], Instant(int(rows[row]["sent_at"]))
             if rows[row]["result"] == UNREACHABLE:
-                session.note_unreachable(sent_at)
+                session.unreachable = sent_at
             elif rows[row]["result"] == REFUSED and session in self._sockets:
                 events += self.apply_events(self.sessions.refused(session, sent_at))
         self._listen_to_strangers()
@@ -302,7 +302,12 @@ class UdpServer:
             arrived = Instant(self._clock.now() - received.age_ns)
             endpoint = Endpoint(port, received.local)
             return self.sessions.receive(received.data, Peer(*received.peer), endpoint, now, arrived)
-        return None if received is None or session is None else self.sessions.refused(session, now)
+        if session is None or received is None:
+            return None
+        if received is SendResult.UNREACHABLE:
+            session.unreachable = now
+            return []
+        return self.sessions.refused(session, now)
 
     def _answer_sync(self, asked: SyncAsked) -> list[Event]:
         """Tell a client the clock; the answer's own stamp is taken just before it is sent."""

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from vision_core.arrival_stamps import STAMP_SPACE, age_ns, stamp_arrivals
 from vision_core.errors import ServiceError
+from vision_core.net.error_queue import report_errors, reported_errors
 from vision_core.net.kernel_filter import attach_filter, dropped
 
 Address: TypeAlias = tuple[str, int, int]
@@ -43,6 +44,8 @@ class SendResult(Enum):
     """The buffer is full or the network is down: the datagram is lost, the session stays."""
     REFUSED = "refused"
     """The client's computer reports a closed port."""
+    UNREACHABLE = "unreachable"
+    """The network reports that no computer has the client's address."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +184,7 @@ class SessionSocket:
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         _request_low_delay(self.socket)
         stamp_arrivals(self.socket)
+        report_errors(self.socket)
         self.socket.bind(_sockaddr(self.socket.family, own))
         self.socket.connect(_sockaddr(self.socket.family, peer))
 
@@ -212,13 +216,14 @@ class SessionSocket:
         return SendResult.SENT
 
     def receive(self) -> Datagram | SendResult | None:
-        """The next datagram; REFUSED when the client's computer reports a closed port; None when there is neither."""
+        """The next datagram; REFUSED or UNREACHABLE when the network reports that; None when there is nothing."""
         try:
             data, ancillary, _, source = self.socket.recvmsg(MAX_RECEIVED, STAMP_SPACE)
-        except ConnectionRefusedError:
-            return SendResult.REFUSED
-        except OSError:
-            return None
+        except OSError as error:
+            reported = {error.errno, *reported_errors(self.socket)}
+            if errno.ECONNREFUSED in reported:
+                return SendResult.REFUSED
+            return SendResult.UNREACHABLE if errno.EHOSTUNREACH in reported else None
         return Datagram(data, _address(source), self._local, age_ns(ancillary))
 
 

@@ -21,10 +21,9 @@ from vision_core.protocol.options import HIGHEST_VERSION, PAPER_OPTIONS, Options
 from vision_core.protocol.rate_limits import RateLimiter
 from vision_core.types.objects import Team
 
-FORSAKEN_S = 3.0
-"""The network has to say for so long that nothing is at an address until another client may have the robot."""
-UNREACHABLE_GAP_S = 1.0
-"""Reports that are farther apart are of two failures of the network."""
+FORSAKEN_S = 10.0
+"""For so long after the network has said that no computer has an address, another client may have the robot. The kernel
+asks the local network three times, once a second, before it says so (arp(7)); while views are sent it asks again."""
 
 
 class Peer(NamedTuple):
@@ -135,8 +134,8 @@ class Session:
     has_key: bool = False
     """It was opened with the team's key, so its address need not be admitted."""
     claim: Claim | None = None
-    unreachable: tuple[Instant, Instant] | None = None
-    """First and last time that the network said, without a long pause, that nothing is at the client's address."""
+    unreachable: Instant | None = None
+    """When the network said last that no computer has the client's address."""
 
     @property
     def version(self) -> int:
@@ -164,17 +163,11 @@ class Session:
         changed, self.state = after is not self.state, after
         return changed
 
-    def note_unreachable(self, now: Instant) -> None:
-        """The network reports that nothing is at the client's address."""
-        first, last = self.unreachable or (now, now)
-        self.unreachable = (first if seconds_between(last, now) <= UNREACHABLE_GAP_S else now), now
-
     def is_forsaken(self, now: Instant) -> bool:
         """Was the client never heard, and is nothing at its address? Its init may have had a forged sender."""
         if self.state is not SessionState.TRYING or self.unreachable is None:
             return False
-        first, last = self.unreachable
-        return seconds_between(last, now) <= UNREACHABLE_GAP_S and seconds_between(first, last) >= FORSAKEN_S
+        return seconds_between(self.unreachable, now) <= FORSAKEN_S
 
     def to_plain(self) -> dict[str, Any]:
         """Everything that a restarted server needs, as JSON types. Rate limits and claims begin anew there."""
