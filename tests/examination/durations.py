@@ -7,10 +7,8 @@ import pytest
 Durations = Mapping[str, Mapping[str, float]]
 
 FOR_ROBOTS: Durations = {
+    "opening": {"DEAF_S": 1.0, "NOT_READY_S": 1.0, "OPEN_S": 1.0, "FAIR_S": 0.2},
     "acts": {
-        "DEAF_S": 1.0,
-        "NOT_READY_S": 1.0,
-        "OPEN_S": 1.0,
         "FAIR_S": 0.2,
         "FOUL_S": 0.5,
         "UNSEEN_S": 0.6,
@@ -25,15 +23,8 @@ FOR_ROBOTS: Durations = {
 }
 """For clients of tests, which ask three times a second."""
 FOR_PROGRAMS: Durations = {
-    "acts": {
-        "DEAF_S": 1.6,
-        "FAIR_S": 0.3,
-        "FOUL_S": 1.5,
-        "UNSEEN_S": 0.6,
-        "CUT_S": 0.6,
-        "MIRROR_S": 0.3,
-        "LEASE_S": 2.0,
-    },
+    "opening": {"DEAF_S": 1.6, "FAIR_S": 0.3},
+    "acts": {"FAIR_S": 0.3, "FOUL_S": 1.0, "UNSEEN_S": 0.3, "CUT_S": 0.3, "MIRROR_S": 0.3, "LEASE_S": 2.0},
     "server": {"LEASE_S": 2.0},
     "ends": {"FAIR_S": 0.3, "DOWN_S": 0.5, "REPLACED_S": 1.5},
 }

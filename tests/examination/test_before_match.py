@@ -65,7 +65,7 @@ def refusing(error: str) -> dict[str, Finding]:
 @pytest.mark.parametrize(
     ("error", "said"),
     [
-        (ErrorCode.NOT_ADMITTED, "The referee finds 127.0.0.1, blue 3, on the page Match"),
+        (ErrorCode.NOT_ADMITTED, "The referee finds 127.0.0.1, blue 3, among the Waiting requests"),
         (ErrorCode.WRONG_KEY, "ask the referee"),
         (ErrorCode.ALREADY_CONNECTED, "another program has blue 3"),
         (ErrorCode.ILLEGAL_NUMBER, "the match has no blue 3"),

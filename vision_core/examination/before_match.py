@@ -103,7 +103,7 @@ def _views(robot: Connection, seconds: float, clock: Clock) -> Iterator[Finding]
 
 def _cure(code: str, robot: str, own: str) -> str:
     """Why the server does not serve this client, and what to do; empty: see the error."""
-    click = f"The referee finds {own}, {robot}, on the page Match among those that wait and clicks Admit"
+    click = f"The referee finds {own}, {robot}, among the Waiting requests of the page Match and clicks Admit"
     admit = f"the server does not serve this computer. {click}"
     cures: dict[str, str] = {
         ErrorCode.NOT_ADMITTED: f"{admit}, or gives you the team's key (--key)",

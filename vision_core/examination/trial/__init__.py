@@ -5,6 +5,6 @@ robot that turns on the spot. One act after the other it answers late, loses, re
 is malformed, changes the mirror, asks whether the client lives, restarts, and gives the robot to somebody else. What it
 hears meanwhile says what the client does wrong.
 
-Files: ``examine`` (runs the acts), ``acts``, ``ends`` (the last two acts), ``server``, ``weather`` (what happens to
-datagrams), ``program`` (the client's process).
+Files: ``examine`` (runs the acts), ``opening``, ``acts``, ``ends`` (the acts), ``hearing`` (what the client has sent),
+``server``, ``scenery`` (what it shows), ``weather`` (what happens to datagrams), ``program`` (the client's process).
 """

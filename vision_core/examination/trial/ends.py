@@ -4,11 +4,12 @@ from collections.abc import Iterator
 
 from vision_core.clock import Instant, seconds_between
 from vision_core.examination.findings import Finding, bad, doubtful, good
-from vision_core.examination.trial.acts import FAIR_S, commands_of, inits_of
+from vision_core.examination.trial.hearing import commands_of, inits_of
 from vision_core.examination.trial.server import Heard, TrialServer
 from vision_core.protocol.lifecycle import Port
 from vision_core.protocol.messages import Bye
 
+FAIR_S = 1.5
 DOWN_S = 1.0
 BACK_S = 10.0
 """Within this time a client has to be on again."""

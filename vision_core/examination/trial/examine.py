@@ -4,11 +4,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from vision_core.examination.findings import Finding, Grade, bad, worst
-from vision_core.examination.trial import acts, ends
+from vision_core.examination.trial import acts, ends, opening
 from vision_core.examination.trial.server import TrialServer
 
 Act = Callable[[TrialServer], Iterator[Finding]]
-WITHOUT_SESSION: Mapping[str, Act] = MappingProxyType({"late-answers": acts.late_answers, "opening": acts.opening})
+WITHOUT_SESSION: Mapping[str, Act] = MappingProxyType(
+    {"late-answers": opening.late_answers, "opening": opening.opening}
+)
 WITH_SESSION: Mapping[str, Act] = MappingProxyType(
     {
         "losses": acts.losses,
@@ -51,7 +53,7 @@ def _findings(server: TrialServer, names: Sequence[str], wait_s: float) -> Itera
         if (names and name not in names) or (name == "farewell" and not server.program.command):
             continue
         server.program.start()
-        if name in WITH_SESSION and not server.play(acts.OPEN_S, lambda: server.session is not None):
+        if name in WITH_SESSION and not server.play(opening.OPEN_S, lambda: server.session is not None):
             yield bad(name, "no session to play this act with: the client is gone, or its init is not answered")
             continue
         yield from act(server)

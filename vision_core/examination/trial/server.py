@@ -7,36 +7,27 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import numpy as np
-
-from vision_core.clock import NS_PER_S, Clock, Instant, after, seconds_between
+from vision_core.clock import Clock, Instant, after, seconds_between
 from vision_core.errors import ServiceError
 from vision_core.examination.trial.program import Program
+from vision_core.examination.trial.scenery import unseen, view_of
 from vision_core.examination.trial.weather import Way
 from vision_core.models.mirror import PAPER_MIRROR, Mirror
 from vision_core.protocol.admission import Admission
-from vision_core.protocol.edge_codes import edge_codes
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.events import Endpoint, Event, Reply, SessionOpened, SyncAsked
 from vision_core.protocol.lifecycle import Peer, Port, Session
 from vision_core.protocol.messages import MAX_NUMBER, SyncReply
 from vision_core.protocol.rules import ServerFacts, SessionRules
-from vision_core.protocol.see import reference_see
 from vision_core.protocol.session import Sessions
-from vision_core.types.edges import EdgeKind
 from vision_core.types.objects import Team
-from vision_core.types.views import BallView, RobotView
 
 PERIOD_S = 1 / 30
 LEASE_S = 4.0
 """Of version 2, as the client is told: short, so that the trial is."""
 MOST = 2048
-WALLS_M = 1.2
 TURN_DEG = 3
 """From view to view."""
-BALL = BallView(distance_m=0.379, direction_deg=121.2, size_deg=6.45, partial=False)
-UNSEEN = b"(see %s ((edge) %s) ((ball) -1 0 0) ((flags) nopose))"
-CODES = edge_codes()
 ROBOTS = [(team, number) for team in Team for number in range(1, MAX_NUMBER + 1)]
 
 
@@ -202,9 +193,9 @@ class TrialServer:
                         self._sockets[via.port].sendto(data, (to.host, to.port))
                 case Reply(data):
                     self.say(data)
-                case SyncAsked(_, sync, arrived):
+                case SyncAsked(session, sync, arrived):
                     reply = SyncReply(sync.id, sync.t1_ns, arrived - self.boot, self.clock.now() - self.boot)
-                    self.say(encode(reply))
+                    self.say(encode(reply) + (b"\0" if session.nul else b""))
 
     def _show_if_due(self) -> None:
         now, session = self.clock.now(), self.session
@@ -214,21 +205,11 @@ class TrialServer:
         self._turn += TURN_DEG
         if not self.sees_robot and session.version == 1:
             return
-        self.view_at = now
-        self.say(self._view(session, now))
-
-    def _view(self, session: Session, now: Instant) -> bytes:
-        options = session.options
-        rays = options.rays_per_circle
-        if not self.sees_robot:
-            seconds, ns = divmod(now - self.boot, NS_PER_S)
-            return UNSEEN % (b"%d.%03d" % (seconds, ns // 1_000_000), b"-ff" * options.directions)
-        angles = np.arange(rays) * 2.0 * np.pi / rays + np.deg2rad(self._turn)
-        distances_m = WALLS_M / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
-        kinds = np.full(rays, EdgeKind.WALL, dtype=np.uint8)
-        view = RobotView(session.team, session.number, now, self._turn, distances_m, kinds, BALL, False)
-        mirror = self.sessions.rules.mirror_of(session)
-        return reference_see(view, options, mirror, CODES, self.boot, nul=session.nul)
+        self.view_at, time_ns = now, now - self.boot
+        if self.sees_robot:
+            self.say(view_of(session, self.sessions.rules.mirror_of(session), self._turn, time_ns))
+        else:
+            self.say(unseen(session, time_ns))
 
     def _deliver(self) -> None:
         """Hand the client what has arrived at it."""
