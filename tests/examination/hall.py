@@ -8,10 +8,12 @@ from tests.net.serving import BALL, PERIOD_S, Stadium
 from tests.protocol.samples import CODES, simple_view
 from vision_core.clock import Instant
 from vision_core.models.mirror import PAPER_MIRROR
+from vision_core.protocol.driving import DriveLimits
 from vision_core.protocol.events import Endpoint, Event, Reply
 from vision_core.protocol.lifecycle import Peer, Port, Session
 from vision_core.protocol.see import reference_see
 from vision_core.protocol.session import Sessions
+from vision_core.types.objects import Team
 
 EXTRAS = {"seq": ("7",), "age": ("5210",), "sent": ("20306.153210",), "conf": ("97",), "flags": ()}
 
@@ -45,14 +47,19 @@ class AlteredSessions(Sessions):
         ]
 
 
-class Hall(Stadium):
-    """A stadium that tells its ports, appends extras, and lets sessions end."""
+DRIVES = {(team, number): DriveLimits(2.0, 2.0, 10.0, 5.0, dribbler=True) for team in Team for number in range(1, 6)}
+SHOW = b"(show 20306.148 ((ball) 120 -35 800 0) ((robot blue 3) -450 20 90.0 0 0))"
 
-    def __init__(self, altered: Altered | None = None) -> None:
+
+class Hall(Stadium):
+    """A stadium that tells its ports, appends extras, shows the field, and lets sessions end."""
+
+    def __init__(self, altered: Altered | None = None, *, drives: bool = True) -> None:
         self.altered = altered or Altered()
         super().__init__()
         ports = {Port.MAIN: self.port, Port.SESSION: int(self.session.getsockname()[1])}
-        self.restart(replace(self.rules, facts=replace(self.rules.facts, ports=ports)))
+        facts = replace(self.rules.facts, ports=ports)
+        self.restart(replace(self.rules, facts=facts, drives=DRIVES if drives else {}))
         self.send_frame()  # compiles
 
     def start(self, sessions: Sessions) -> None:
@@ -74,3 +81,5 @@ class Hall(Stadium):
             self.serve(PERIOD_S)
             self.server.expire()
             self.send_frame()
+            if show := self.altered.seen(SHOW):
+                self.server.show(show)

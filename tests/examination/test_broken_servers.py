@@ -94,6 +94,8 @@ BROKEN: dict[str, Altered | tuple[str, Any]] = {
     "extras-follow-the-ball": Altered(seen=substituted(rb" \(\(seq\) 7\)", b"")),
     "a-ping-is-answered": Altered(said=replaced(b"(pong 7)", b"(pong 8)")),
     "the-clock-is-told": Altered(heard=replaced(b"(sync 1 -5)", b"(sync 1 -6)")),
+    "a-monitor-is-shown-the-field": Altered(seen=silent_about(b"(show ")),
+    "a-drive-is-refused-by-name-or-not-answered": Altered(heard=replaced(b"(drive nan", b"(drive 0")),
     "a-newer-client-takes-over-and-the-older-is-told": Altered(said=silent_about(b"replaced")),
 }
 
@@ -107,6 +109,7 @@ def test_a_server_that_breaks_a_rule_is_found(name: str, monkeypatch: pytest.Mon
     for constant, short in {"PATIENCE_S": 0.3, "ATTEMPTS": 2, "QUIET_S": 0.1}.items():
         monkeypatch.setattr(f"{PROBE}.{constant}", short)
     monkeypatch.setattr("vision_core.examination.conformance.ports.CLAIM_S", 1.5)
+    monkeypatch.setattr("vision_core.examination.conformance.beyond.SHOW_S", 0.5)
     monkeypatch.setattr("vision_core.net.udp.attach_filter", lambda _: False)  # somebody else's server may have none
     how = BROKEN[name]
     if isinstance(how, tuple):

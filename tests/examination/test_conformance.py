@@ -39,6 +39,15 @@ def test_our_server_keeps_every_rule() -> None:
     assert len(found) == len(RULES)
 
 
+def test_robots_that_nobody_drives_are_refused_by_name() -> None:
+    hall = Hall(drives=False)
+    with running(hall):
+        drives = [rule for rule in RULES if rule.name.startswith("a-drive")]
+        (found,) = examine(Probe(place_of("127.0.0.1", hall.port)), drives)
+    hall.close()
+    assert (found.verdict, found.why) == (Verdict.PASSED, "")
+
+
 def test_what_cannot_be_seen_is_skipped(capsys: pytest.CaptureFixture[str]) -> None:
     with ScriptedServer(lambda _: [b"(error not_admitted)"]) as server:
         words = ["conformance", "--port", str(server.port), "--only", "time-grows", "--json"]

@@ -5,5 +5,5 @@ its own sockets, and keeps what it sent and what came back for whoever mends the
 computer, and nobody else may play the two robots that are used.
 
 Files: ``examine`` (runs the rules), ``rule``, ``probe`` (the sockets), and the rules: ``opening``, ``ports``,
-``views``, ``commands``, ``version_2``.
+``views``, ``commands``, ``version_2``, ``beyond`` (monitors and driving).
 """

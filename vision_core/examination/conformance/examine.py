@@ -4,12 +4,12 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import TextIO
 
-from vision_core.examination.conformance import commands, opening, ports, version_2, views
+from vision_core.examination.conformance import beyond, commands, opening, ports, version_2, views
 from vision_core.examination.conformance.probe import Broken, Probe, Skipped
 from vision_core.examination.conformance.rule import Outcome, Rule, Verdict
 
 RULES: tuple[Rule, ...] = tuple(
-    rule for module in (opening, ports, views, commands, version_2) for rule in module.BOOK.rules
+    rule for module in (opening, ports, views, commands, version_2, beyond) for rule in module.BOOK.rules
 )
 
 LAST = 8

@@ -169,6 +169,11 @@ class Client:
         """The next views."""
         return [self.view() for _ in range(count)]
 
+    def quiet_after_bye(self) -> Received | None:
+        """What still comes when all that was under way has arrived; None: nothing."""
+        self.answer(QUIET_S)
+        return self.receive(QUIET_S)
+
     def leave(self) -> None:
         """Say bye, and wait until nothing comes any more."""
         if self.served_from:
