@@ -16,8 +16,8 @@ from vision_core.client import Drive, Options, Robot, View, connect
 GOALS = {"blue": "v", "yellow": "u"}
 """The goal that each team attacks."""
 MATES = {"blue": "x", "yellow": "y"}
-BODIES = ("x", "y", "q")
-"""Robots of both teams, and things that are no robot."""
+BODIES = ("r", "x", "y", "q")
+"""Robots of both teams, in a match perhaps without their colors, and things that are no robot."""
 SEARCH_RAD_S = 2.0
 HOLD_M = 0.03
 """The ball is held when it is nearer to the robot's rim than this, in front."""

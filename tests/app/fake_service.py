@@ -51,6 +51,7 @@ from vision_core.rtdb.store import Store, create_block
 from vision_core.settings.layers import Layer, LayerKind
 from vision_core.settings.schema import Settings
 from vision_core.tasks.table import record_specs, task_table
+from vision_core.types.game import DrivenRobot, Game, TeamGame
 from vision_core.types.objects import (
     BallSighting,
     Diagnosis,
@@ -92,6 +93,16 @@ class Scene:
     obstacles: bool = True
     moving: bool = True
     repeats: bool = False
+
+
+GAME = Game(
+    played_s=187.5,
+    blue=TeamGame(goals=2, possession_s=90.0),
+    yellow=TeamGame(goals=1, possession_s=30.0),
+    collisions=25,
+    owner=Team.BLUE,
+    driven=(DrivenRobot(Team.BLUE, 1, silent=False), DrivenRobot(Team.YELLOW, 3, silent=True)),
+)
 
 
 class FakeService:
@@ -196,6 +207,7 @@ class FakeService:
         self.put(records.SERVING, Serving(clients, 12.4, 19.8, ()))
         self._put_bytes(records.LAG_HISTOGRAMS.name, lags_of(self.scene.condition))
         self._put_bytes(records.FAIRNESS_RECORD.name, fairness_of_a_match())
+        self.put(records.GAME, GAME)
 
     def start(self) -> None:
         """Write thirty times a second, until ``stop``."""

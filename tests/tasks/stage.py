@@ -26,14 +26,14 @@ class Stage:
         attachment = Attachment(ChildResources("diagnose", os.getpid(), 0, self.block, specs, None, {}, {}))
         self.store = attachment.store
         self.handle = Handle(tasks[name], attachment, settings, CameraSetup.from_settings(settings))
-        self._step: Step = module.start(self.handle)
+        self.step: Step = module.start(self.handle)
         self._frames = self.store.writer("frames/main")
 
     def show(self, pixels: Bytes) -> StepResult:
         """A step with a picture that is grabbed now, shape (height, width, 3)."""
         now = self.clock.now()
         self._frames.write(pixels.tobytes(), now, now)
-        return self._step(Release(now, now))
+        return self.step(Release(now, now))
 
     def close(self) -> None:
         os.close(self.block)

@@ -16,6 +16,8 @@ REASONS = {
     ErrorCode.ILLEGAL_NUMBER: ("this number does not play", "raise match.numbers, or let it take another number"),
     ErrorCode.ILLEGAL_TEAM: ("it names no team", "its program has to ask for blue or yellow"),
     ErrorCode.ILLEGAL_MIRROR: ("its mirror does not show the whole field", "its program has to ask for another mirror"),
+    ErrorCode.ILLEGAL_DRIVE: ("its robot cannot do what it asks for", "its program has to stay within the limits"),
+    ErrorCode.NO_DRIVE: ("this robot is not driven over the network", "its program has to drive it by radio"),
     ErrorCode.ILLEGAL_OPTION: ("it asks for an option that does not exist", "its program has to be corrected"),
     ErrorCode.ILLEGAL_FORM: ("its message cannot be read", "its program has to be corrected"),
     ErrorCode.RATE_LIMITED: ("it asks too often", "its program has to wait between two requests"),
