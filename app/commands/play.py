@@ -76,7 +76,7 @@ def _played(players: "list[Player]", page: "Page", duration_s: float) -> "Match"
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task("connecting", total=duration_s)
-        return play_match(
+        match = play_match(
             players,
             page,
             duration_s,
@@ -84,6 +84,8 @@ def _played(players: "list[Player]", page: "Page", duration_s: float) -> "Match"
                 task, completed=gone_s, description=f"blue {score.goals[0]} : {score.goals[1]} yellow"
             ),
         )
+        bar.update(task, completed=duration_s)
+        return match
 
 
 def _report(match: "Match", out: Path, title: str) -> None:

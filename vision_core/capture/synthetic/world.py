@@ -77,6 +77,7 @@ class World:
         self._players = Players(settings, players, self._rng)
         self._feet = feet_paths(settings)
         self._out_since_s: float | None = None
+        self._goal_at_s: float | None = None
         self._last_move = (0.0, self._ball[:2].copy())
 
     def advance(self, duration_s: float) -> None:
@@ -141,17 +142,27 @@ class World:
             self._out_since_s = None
         elif self._out_since_s is None:
             self._out_since_s = now_s
-            if abs(x) > self._goal_x and abs(y) < self._field.goal.width_m / 2.0 and self._field.goal.depth_m:
-                signs = _attack_signs(self._blue_defends)
-                self._game.score(next(team for team in Team if signs[team] * x > 0.0))
+            self._judge_goal(x, y, now_s)
         over = self._out_since_s is not None and now_s - self._out_since_s >= PAUSE_S
-        in_use = self._moving or bool(self._desk.drivers.driven.any())
-        if in_use and (over or now_s - self._last_move[0] > STUCK_S):
+        scored = self._goal_at_s is not None and now_s - self._goal_at_s >= PAUSE_S
+        driven = bool(self._desk.drivers.driven.any())
+        if (self._moving or driven) and (over or (driven and scored) or now_s - self._last_move[0] > STUCK_S):
             self._put_ball_down()
+        elif scored and not out:  # players without drivers play on with a ball that rolls out of the goal
+            self._goal_at_s = None
+
+    def _judge_goal(self, x: float, y: float, now_s: float) -> None:
+        """Count a goal if the ball is in one; a ball that rolls out and in again does not count twice."""
+        goal = self._field.goal
+        if self._goal_at_s is None and goal.depth_m and abs(x) > self._goal_x and abs(y) < goal.width_m / 2.0:
+            self._goal_at_s = now_s
+            signs = _attack_signs(self._blue_defends)
+            self._game.score(next(team for team in Team if signs[team] * x > 0.0))
 
     def _put_ball_down(self) -> None:
         self._place_ball()
         self._game.lose_ball()
+        self._goal_at_s = None
         self._last_move = (self._steps * STEP_S, self._ball[:2].copy())
 
     def _place_all(self) -> None:
