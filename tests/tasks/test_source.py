@@ -16,17 +16,21 @@ from vision_core.types.game import DrivenRobot, Game
 from vision_core.types.objects import Team
 from vision_core.venues.loader import load_settings
 
+RATE_HZ = 50.0
+
 
 class Match:
     """The task, and what the other tasks write for it."""
 
     def __init__(self) -> None:
-        self.settings = load_settings(options={"camera.width_px": 320, "camera.height_px": 240, "camera.rate_hz": 50.0})
+        self.settings = load_settings(
+            options={"camera.width_px": 320, "camera.height_px": 240, "camera.rate_hz": RATE_HZ}
+        )
         self.stage = Stage(source, self.settings)
         self._requests = records.frame_requests("main").writer(self.stage.store)
         self._drives = self.stage.store.writer(records.DRIVES.name)
         self._live = records.LIVE_SETTINGS.writer(self.stage.store)
-        self._number = 0
+        self._number, self._began = 0, self.stage.clock.now()
 
     def drive(self, turn_rad_s: float) -> None:
         """Blue 2 is told to turn."""
@@ -48,7 +52,8 @@ class Match:
         for _ in range(images):
             self._number += 1
             now = self.stage.clock.now()
-            self._requests.write(FrameRequest(self._number, 0, after(now, 0.01)), now, now)
+            at = after(self._began, self._number / RATE_HZ)
+            self._requests.write(FrameRequest(self._number, 0, at), now, now)
             assert self.stage.step(Release(now, now)) == RAN
         told = records.GAME.reader(self.stage.store).read(self.stage.clock.now())
         assert told is not None
@@ -56,7 +61,8 @@ class Match:
 
 
 @pytest.fixture
-def match() -> Iterator[Match]:
+def match(monkeypatch: pytest.MonkeyPatch) -> Iterator[Match]:
+    monkeypatch.setattr(source, "REPORT_EVERY_S", 0.0)  # with every image
     made = Match()
     yield made
     made.stage.close()
@@ -64,14 +70,13 @@ def match() -> Iterator[Match]:
 
 def test_a_driven_robot_is_told_until_it_is_let_go(match: Match) -> None:
     match.drive(3.0)
-    assert match.take(15).driven == (DrivenRobot(Team.BLUE, 2, silent=False),)
+    assert match.take(2).driven == (DrivenRobot(Team.BLUE, 2, silent=False),)
     match.let_go()
-    assert match.take(15).driven == ()
+    assert match.take(2).driven == ()
 
 
 def test_the_operator_begins_a_new_game(match: Match) -> None:
     match.begin_game(7)  # the count of an earlier process of the page: no new game
-    played_s = match.take(60).played_s
-    assert played_s > 0.5
+    assert match.take(51).played_s == pytest.approx(1.0, abs=0.03)
     match.begin_game(8)
-    assert match.take(15).played_s < played_s
+    assert match.take(10).played_s == pytest.approx(0.2, abs=0.03)
