@@ -32,6 +32,7 @@ FOLDER = Path(__file__).parent / "golden"
 PORTS = {"6000": Port.MAIN, "6001": Port.SESSION}
 KEY = "Zx-9_" + "k" * 38
 MATCH = Options(types="team", fov_deg=180.0, center_deg=0.0, resolution_deg=20.0, rate_hz=30)
+SHOW = b"(show 20306.148 ((ball) 120 -35 800 0) ((robot blue 3) -450 20 90.0 0 0) ((obstacle) 1 2 90))"
 CLIENTS = {name: Peer("127.0.0.1", 40000 + number) for number, name in enumerate("ABCDE")} | {"F": STRANGER}
 
 
@@ -51,6 +52,7 @@ class Scene:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("vision_core.protocol.proofs.secrets.token_bytes", bytes)
         self.server = Server(keys={Team.BLUE: key_digest(KEY)})
+        self.server.apply(replace(self.server.sessions.rules, monitor_key=key_digest(KEY)))
 
     def play(self, script: str) -> str:
         """The whole transcript of a script; what it already says of the server is written anew."""
@@ -79,10 +81,11 @@ class Scene:
         rules = sessions.rules
         match what:
             case "frame":  # in the order of the sessions; the real order is random
-                return [
+                views = [
                     Reply(view_of(session, now, BOOT), session.peer, Endpoint(session.port, session.local), session)
                     for session in sessions
                 ]
+                return [*views, *(Reply(SHOW, monitor.peer, monitor.endpoint) for monitor in sessions.monitors)]
             case "mode":
                 return sessions.apply(rules, words[0], now)
             case "tell":
