@@ -1,15 +1,13 @@
 """A match: players against a server, a page that tells the score, and a picture."""
 
-import json
 import os
-import threading
 from collections.abc import Iterator
-from http.server import BaseHTTPRequestHandler, HTTPServer
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from tests.client.arena import Arena
+from tests.client.play.service_page import ServicePage, served
 from tests.net.serving import running
 from vision_core.client import Drive, Robot, View
 from vision_core.client.play.chart import chart
@@ -34,42 +32,10 @@ class Careless(Ahead):
         raise ZeroDivisionError("of the controller")
 
 
-class ServicePage(BaseHTTPRequestHandler):
-    """The page of a service whose game goes on by a second with each question."""
-
-    questions = 0
-    code = 200
-
-    def do_GET(self) -> None:
-        ServicePage.questions += 1
-        count = ServicePage.questions
-        game = {
-            "played_s": 60.0 + count,
-            "blue": {"goals": 3, "possession_s": 20.0 + count / 4},
-            "yellow": {"goals": 1 + count // 3, "possession_s": 9.0 + 3 * count / 4},
-            "collisions": 40 + count,
-        }
-        told = (
-            {"detail": "no game"} if self.code != 200 else game | {"processes": [{"pid": os.getpid()}, {"pid": None}]}
-        )
-        body = json.dumps(told).encode()
-        self.send_response(self.code)
-        self.end_headers()
-        self.wfile.write(body)
-
-    def log_message(self, format: str, *args: object) -> None: ...  # noqa: A002 (the name is the library's)
-
-
 @pytest.fixture
 def page() -> Iterator[Page]:
-    ServicePage.questions, ServicePage.code = 0, 200
-    server = HTTPServer(("127.0.0.1", 0), ServicePage)
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    yield Page(f"http://127.0.0.1:{server.server_port}")
-    server.shutdown()
-    thread.join()
-    server.server_close()
+    with served() as address:
+        yield Page(address)
 
 
 @pytest.fixture
