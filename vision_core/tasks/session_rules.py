@@ -45,7 +45,7 @@ class RuleBook:
             admission=_admission(settings),
             facts=self._facts(settings),
             fixed=_fixed(settings.match.views) if settings.match.fixes_views else None,
-            drives=_drives(settings),
+            drives=drives_of(settings),
             keys={Team(team): digest for team, digest in keys.items()},
             monitor_key=monitor_key,
         )
@@ -74,7 +74,7 @@ def _fixed(views: MatchViews) -> Options:
     )
 
 
-def _drives(settings: Settings) -> dict[tuple[Team, int], DriveLimits]:
+def drives_of(settings: Settings) -> dict[tuple[Team, int], DriveLimits]:
     """What clients may ask of which robots: those of the simulated match."""
     if settings.source.uri != SYNTHETIC:
         return {}
