@@ -469,8 +469,8 @@ def test_an_error_about_a_report_does_not_end_the_session(error: ErrorCode) -> N
     assert 1 <= reports <= 3 if error == ErrorCode.UNKNOWN_COMMAND else reports >= 4
 
 
-def test_a_restarted_server_is_found_again() -> None:
-    """Time begins anew there, and views go on."""
+def test_a_restarted_server_is_found_again(caplog: pytest.LogCaptureFixture) -> None:
+    """Time begins anew there, and views go on; the program is told."""
     stadium = Stadium()
     with running(stadium):
         robot = connect(HOST, stadium.port, "blue", 3)
@@ -483,4 +483,11 @@ def test_a_restarted_server_is_found_again() -> None:
         assert view is not None
         assert view.time_s < 1.0
         assert [session.number for session in stadium.server.sessions] == [3]
+        assert robot.restarts == 1
+    said = [record.getMessage().partition(": ")[2] for record in caplog.records]
+    assert said == [
+        "no answer for 3 s; asking until there is one",
+        "the server answers again",
+        "the server was restarted; its time begins anew",
+    ]
     stadium.close()

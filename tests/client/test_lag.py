@@ -1,5 +1,6 @@
 """Reports of the lag: what is measured, when it is said, and what the system tells of an arrival."""
 
+import math
 import socket
 import time
 from collections.abc import Iterator
@@ -7,7 +8,8 @@ from collections.abc import Iterator
 import pytest
 
 from vision_core.arrival_stamps import stamp_arrivals
-from vision_core.client.lag import REPORT_S, LagReports, receive_stamped
+from vision_core.client.clock_sync import ServerTime
+from vision_core.client.lag import REPORT_S, Lag, LagReports, lag_of, receive_stamped
 from vision_core.clock import Instant, after
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.messages import MAX_LAG_S, LagReport
@@ -30,6 +32,30 @@ def using(*uses_s: float) -> LagReports:
 def test_a_report_tells_the_hold_and_the_median_use() -> None:
     reports = using(0.004, 0.9, 0.006)
     assert reports.view_arrived(TIME_US, DUE, after(DUE, 0.002)) == LagReport(TIME_US, 0.002, 0.006)
+
+
+def test_the_parts_of_a_lag() -> None:
+    known, unknown = ServerTime(20.0100, 0.0002), ServerTime(math.nan, math.inf)
+    lag = lag_of(20.0, 0.007, known, 0.004)
+    assert lag is not None
+    assert lag.network_s == pytest.approx(0.003)
+    assert (lag.server_s, lag.client_s, lag.bound_s) == (0.007, 0.004, 0.0002)
+    assert lag.total_s == pytest.approx(0.014)
+    assert lag_of(20.0, None, known, 0.004) is None
+    assert lag_of(20.0, 0.007, unknown, 0.004) is None
+
+
+def test_the_last_lag_is_that_of_the_view_that_was_used() -> None:
+    reports, lag = LagReports(START), Lag(0.007, 0.003, 0.0, 0.0002)
+    reports.view_arrived(1, START, START)
+    reports.view_given(lag)
+    assert reports.last is None
+    reports.view_used(after(START, 0.005))
+    assert reports.last == Lag(0.007, 0.003, 0.005, 0.0002)
+    reports.view_arrived(2, START, START)
+    reports.view_given(None)
+    reports.view_used(after(START, 0.009))
+    assert reports.last is None
 
 
 def test_each_report_has_a_median_of_its_own() -> None:

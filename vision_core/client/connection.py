@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import logging
 import socket
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import replace
 from types import TracebackType
 from typing import Self
@@ -13,7 +13,8 @@ from vision_core.arrival_stamps import stamp_arrivals
 from vision_core.client.addresses import resolved
 from vision_core.client.clock_sync import ClockSync, ServerTime
 from vision_core.client.driving import Robot, checked, limits_of, robot_of
-from vision_core.client.lag import LagReports, SockAddress, receive_stamped
+from vision_core.client.following import ViewThread
+from vision_core.client.lag import Lag, LagReports, SockAddress, lag_of, receive_stamped
 from vision_core.client.refusals import mirror_unknown, no_answer
 from vision_core.client.view import View, view_from_see
 from vision_core.clock import Clock, Instant, after, seconds_between
@@ -90,6 +91,10 @@ class Connection:
         self._time_us = -1
         self._shows_key = False
         """An address that is not admitted was refused; the answer to the key is not there yet."""
+        self.restarts = 0
+        """How often the server was found to have been restarted: its Time has begun anew."""
+        self._is_silent = False
+        self._thread: ViewThread | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -98,20 +103,38 @@ class Connection:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+        if self._thread is not None and kind is None:
+            self._thread.wait()
 
     def __iter__(self) -> Iterator[View]:
-        """Views as they arrive, without end. Raises ConnectionRefused when the server ends the session."""
+        """The newest view each time, without end: a slow program misses views, and sees none late.
+
+        Raises ConnectionRefused when the server ends the session.
+        """
         while True:
-            view = self.receive(PATIENCE_S)
+            view = self.newest(PATIENCE_S)
             if view is not None:
                 yield view
 
     async def __aiter__(self) -> AsyncIterator[View]:
         """As iteration, for a program of asyncio: a thread waits for the views. Nothing else may read meanwhile."""
         while True:
-            view = await asyncio.to_thread(self.receive, PATIENCE_S)
+            view = await asyncio.to_thread(self.newest, PATIENCE_S)
             if view is not None:
                 yield view
+
+    def on_view(self, callback: Callable[[View], object]) -> ViewThread:
+        """Call a function with the newest view, from a thread of its own, until the connection is closed.
+
+        Nothing else may read views meanwhile. When the function raises, or the server ends the session, the thread
+        ends: its error is logged, and raised by ``wait`` of what is returned and by the end of the ``with`` block.
+        Raises RuntimeError when a function is called already.
+        """
+        if self._thread is not None and self._thread.runs:
+            raise RuntimeError("views are given to a function already: stop that first")
+        self._thread = ViewThread(self.newest, callback)
+        self._thread.start()  # the function may close the connection at once, which ends the thread
+        return self._thread
 
     @property
     def mirror(self) -> Mirror:
@@ -156,6 +179,15 @@ class Connection:
         raise (
             mirror_unknown(self._name) if answered else no_answer(self._name, self._address, self.last_error, timeout_s)
         )
+
+    @property
+    def lag(self) -> Lag | None:
+        """The lag of the last view that was used, C until the program asked for the next one; None as ``View.lag``."""
+        return self._lag.last
+
+    def newest(self, timeout_s: float) -> View | None:
+        """The newest view that has arrived, or else the next; None when none came in time. Raises as ``receive``."""
+        return self.latest() or self.receive(timeout_s)
 
     def receive(self, timeout_s: float) -> View | None:
         """The next view; None when none came in time. Raises ConnectionRefused when the server ends the session."""
@@ -205,7 +237,9 @@ class Connection:
         self._send(checked(self.limits.clipped(drive), self.limits), self._server)
 
     def close(self) -> None:
-        """Send bye and close the socket."""
+        """End the thread of ``on_view``, send bye and close the socket."""
+        if self._thread is not None:
+            self._thread.stop()
         with contextlib.suppress(OSError):
             self._send(encode(Bye()), self._server)
         self._socket.close()
@@ -218,7 +252,10 @@ class Connection:
             self._send(encode(report) + self._mirror_query(), self._server)
         time_s, bound_s = self.server_time()
         view = view_from_see(newest, self.options, mirror)
-        return replace(view, age_s=time_s - view.time_s, age_bound_s=bound_s)
+        held_s = seconds_between(self._arrived_at, self._clock.now())
+        lag = lag_of(view.time_s, view.extras.server_age_s, self._sync.server_time(self._arrived_at), held_s)
+        self._lag.view_given(lag)
+        return replace(view, age_s=time_s - view.time_s, age_bound_s=bound_s, lag=lag)
 
     def _ask_if_due(self) -> None:
         """Keep the session alive, find a server that was restarted, and learn its mirror and its clock."""
@@ -226,6 +263,9 @@ class Connection:
         if (question := self._sync.question(now)) is not None:
             self._send(encode(question), self._server)
         asked_s = seconds_between(self._asked_at, now)
+        if self.silent_s >= RESTART_S and not self._is_silent:
+            self._is_silent = True
+            log.warning("%s: no answer for %g s; asking until there is one", self._name, RESTART_S)
         if min(self.silent_s, asked_s) >= SILENCE_S:
             self._ask(self._main if self.silent_s >= RESTART_S else self._server)
         elif asked_s >= (self.facts.lease_s / 3.0 if self.facts else KEEPALIVE_S):
@@ -302,6 +342,9 @@ class Connection:
 
     def _note(self, message: ServerMessage, source: SockAddress, age_ns: int) -> None:
         self._server, self._heard_at, self.last_error = source, self._clock.now(), ""
+        if self._is_silent:
+            self._is_silent = False
+            log.warning("%s: the server answers again", self._name)
         match message:
             case See():
                 self._time_us, self._arrived_at = message.time_us, Instant(self._heard_at - age_ns)
@@ -315,6 +358,7 @@ class Connection:
             case SyncReply():
                 self._sync.answered(message, Instant(self._heard_at - age_ns), self._heard_at)
             case InitReply():
+                self._note_boot(message.facts)
                 self._sync.begin(message.facts.boot if message.facts else None, self._heard_at)
                 self.mode, self.facts, self.sees = message.mode, message.facts, True
                 self._shows_key = False
@@ -328,6 +372,12 @@ class Connection:
             case WarningReply(name) if name == FIXED_BY_MATCH:
                 self._given_mirror = self._mirror = None  # the server tells which one it is
                 self._mirror_due_at = after(self._heard_at, MIRROR_TIMEOUT_S)
+
+    def _note_boot(self, facts: SessionFacts | None) -> None:
+        """Say when the server has been restarted; a server of version 1 does not tell."""
+        if self.facts and facts and facts.boot != self.facts.boot:
+            self.restarts += 1
+            log.warning("%s: the server was restarted; its time begins anew", self._name)
 
     def _note_heard(self, heard: Hear) -> None:
         match heard:

@@ -7,6 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.client.extras import NO_EXTRAS, Extras, extras_from
+from vision_core.client.lag import Lag
 from vision_core.geometry import Floats, frozen
 from vision_core.models.mirror import MM_PER_M, Mirror
 from vision_core.protocol.messages import NOTHING_PX, Ball, See
@@ -14,6 +16,7 @@ from vision_core.protocol.options import Options, directions_deg
 
 HALF_PX = 0.5
 """The server rounds distances down to whole pixels; their mean is half a pixel more."""
+NO_POSE = "nopose"
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -37,6 +40,35 @@ class View:
     """From the grab of the image until the view was given to the program; nan: the server's clock is not known."""
     age_bound_s: float = math.inf
     """The true age differs by at most so much."""
+    extras: Extras = NO_EXTRAS
+    """What was asked for with ``Options(extras=...)``, and whether the camera sees the robot at all."""
+    lag: Lag | None = None
+    """The lags A, B and C; None unless the extra ``age`` was asked for and the server's clock is known."""
+
+    @property
+    def seq(self) -> int | None:
+        """Number of the camera's image; None unless it was asked for."""
+        return self.extras.seq
+
+    @property
+    def sent_s(self) -> float | None:
+        """When the view was written, in the time of ``time_s``; None unless it was asked for."""
+        return self.extras.sent_s
+
+    @property
+    def confidence(self) -> float | None:
+        """How sure the server is of the robot, 0..1; None unless it was asked for."""
+        return self.extras.confidence
+
+    @property
+    def flags(self) -> frozenset[str]:
+        """overlap, partial, predicted, as far as they were asked for; nopose comes unasked."""
+        return self.extras.flags
+
+    @property
+    def is_seen(self) -> bool:
+        """False in a view without content: the camera has not seen the robot for some time."""
+        return NO_POSE not in self.extras.flags
 
     @property
     def points_m(self) -> Floats:
@@ -87,6 +119,7 @@ def view_from_see(see: See, options: Options, mirror: Mirror) -> View:
         directions_deg=directions_deg(options, len(px)),
         ball=see.ball,
         ball_mm=math.inf if see.ball.hidden else mirror.mm_from_px(see.ball.px + HALF_PX),
+        extras=extras_from(see),
     )
 
 
