@@ -20,6 +20,7 @@ from app.commands.detect import detect
 from app.commands.examination import check, check_client, conformance
 from app.commands.fairness import fairness
 from app.commands.fidelity import fidelity
+from app.commands.lag import lag
 from app.commands.onboard import onboard_app
 from app.commands.people import passwd, token
 from app.commands.play import play
@@ -53,6 +54,7 @@ for command in (
     evaluate.evaluate,
     fairness,
     fidelity,
+    lag,
     bench,
     support_bundle,
     play,

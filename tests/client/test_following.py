@@ -10,25 +10,13 @@ import pytest
 from tests.client.test_connection import HOST, wait_until
 from tests.net.serving import Stadium, running
 from vision_core.client import View, connect
-from vision_core.clock import Instant
 from vision_core.errors import ConnectionRefused
-from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.options import Options
-
-
-class AgingStadium(Stadium):
-    """Its views say how old they are, if they are to."""
-
-    def see(self, session: Session, at: Instant) -> bytes | None:
-        text = super().see(session, at)
-        if text is None or "age" not in session.options.extras:
-            return text
-        return text[:-1] + b" ((age) %d))" % ((self.clock.now() - at) // 1000)
 
 
 @pytest.fixture
 def stadium() -> Iterator[Stadium]:
-    made = AgingStadium()
+    made = Stadium()
     with running(made):
         yield made
     made.close()

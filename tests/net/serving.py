@@ -96,7 +96,10 @@ class Stadium:
             return None
         options = session.options
         view = simple_view(at=at, rays=options.rays_per_circle, ball=BALL)
-        return reference_see(view, options, PAPER_MIRROR, CODES, self.rules.boot, nul=session.nul)
+        text = reference_see(view, options, PAPER_MIRROR, CODES, self.rules.boot, nul=session.nul)
+        if "age" in options.extras:
+            return text[:-1] + b" ((age) %d))" % ((self.clock.now() - at) // 1000)
+        return text
 
     def send_frame(self, at: Instant | None = None) -> Frame:
         self._grabbed = at or Instant(max(self.clock.now(), self._grabbed + 1_000_000))  # Time has milliseconds
