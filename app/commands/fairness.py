@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from app.commands.running import only_service
@@ -65,7 +66,7 @@ def _print(report: "FairnessReport") -> None:
     console.print(f"{words}: {report.record.frames} frames", style=STYLES[report.verdict])
     for reason in report.reasons:
         console.print(f"  {reason}", markup=False, soft_wrap=True)
-    table = Table("", "sent", "dropped", "place", "lag mean", "p50", "p99 [ms]", "chi-square", "p", box=None)
+    table = Table("", "sent", "dropped", "place", "lag mean", "p50", escape("p99 [ms]"), "chi-square", "p", box=None)
     for column in table.columns[1:]:
         column.justify = "right"
     places = report.places

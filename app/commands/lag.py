@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from app.commands.options import robot_of
@@ -27,7 +28,8 @@ SHOWN = (("median", 0.5), ("90 %", 0.9), ("99 %", 0.99), ("max", 1.0))
 
 
 def lag(
-    robot: Annotated[str, typer.Option(help="A robot of which no program runs: blue:1.")],
+    team: Annotated[str, typer.Option(help="blue or yellow.")],
+    number: Annotated[int, typer.Option(min=1, max=16, help="A robot of which no program runs.")],
     host: Annotated[str, typer.Argument(help="Name or address of the server's computer.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(envvar="PSLV_UDP_PORT", min=1, max=65535, help="UDP port of the server.")] = 6000,
     seconds: Annotated[float, typer.Option(min=1.0, max=3600.0, help="How long to measure.")] = 10.0,
@@ -42,12 +44,12 @@ def lag(
     """
     from vision_core.client import Options, connect
 
-    team, number = robot_of(robot)
-    with connect(host, port, team, number, options=Options(extras=("age",)), key=key) as connection:
+    name = f"{team} {number} at {host}"
+    with connect(host, port, *robot_of(f"{team}:{number}"), options=Options(extras=("age",)), key=key) as connection:
         found = list(_measured(connection, seconds))
     if len(found) < 2:
         views = f"{len(found)} views with a lag"
-        raise PslvError(f"lags of {robot} at {host}", found=views, accepted=_wanted(connection))
+        raise PslvError(f"lags of {name}", found=views, accepted=_wanted(connection))
     times_s, lags_ms = np.array([at for at, _ in found]), _milliseconds([each for _, each in found])
     if json:
         for at_s, row in zip(times_s.tolist(), lags_ms.tolist(), strict=True):
@@ -56,7 +58,7 @@ def lag(
     else:
         _print(lags_ms, max(each.bound_s for _, each in found))
     if picture is not None:
-        _draw(picture, times_s, lags_ms, f"{robot} at {host}")
+        _draw(picture, times_s, lags_ms, name)
 
 
 def _measured(connection: "Connection", seconds: float) -> "Iterator[tuple[float, Lag]]":
@@ -86,7 +88,7 @@ def _milliseconds(lags: "list[Lag]") -> "Floats":
 
 
 def _print(lags_ms: "Floats", bound_s: float) -> None:
-    table = Table("lag [ms]", *(name for name, _ in SHOWN), box=None)
+    table = Table(escape("lag [ms]"), *(name for name, _ in SHOWN), box=None)
     for column in table.columns[1:]:
         column.justify = "right"
     for part, values in zip(PARTS, lags_ms.T, strict=True):

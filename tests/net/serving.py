@@ -98,7 +98,7 @@ class Stadium:
         view = simple_view(at=at, rays=options.rays_per_circle, ball=BALL)
         text = reference_see(view, options, PAPER_MIRROR, CODES, self.rules.boot, nul=session.nul)
         if "age" in options.extras:
-            return text[:-1] + b" ((age) %d))" % ((self.clock.now() - at) // 1000)
+            return text[:-1] + b" ((age) %d))" % max((self.clock.now() - at) // 1000, 0)
         return text
 
     def send_frame(self, at: Instant | None = None) -> Frame:

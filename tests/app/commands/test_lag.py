@@ -22,7 +22,19 @@ def stadium() -> Iterator[Stadium]:
 
 
 def asked(stadium: Stadium, *options: str) -> list[str]:
-    return ["lag", "127.0.0.1", "--port", str(stadium.port), "--robot", "blue:2", "--seconds", "1", *options]
+    return [
+        "lag",
+        "127.0.0.1",
+        "--port",
+        str(stadium.port),
+        "--team",
+        "blue",
+        "--number",
+        "2",
+        "--seconds",
+        "1",
+        *options,
+    ]
 
 
 def test_the_lags_of_a_second(stadium: Stadium, tmp_path: Path) -> None:
@@ -39,6 +51,7 @@ def test_the_lags_of_a_second(stadium: Stadium, tmp_path: Path) -> None:
 
 def test_a_table_for_people(stadium: Stadium) -> None:
     done = CliRunner().invoke(app, asked(stadium), catch_exceptions=False)
+    assert done.output.startswith("lag [ms]")
     assert [line.split()[0] for line in done.output.splitlines()[1:5]] == ["A", "B", "C", "total"]
     assert "B is right within" in done.output
 
