@@ -51,7 +51,7 @@ def test_the_lags_of_a_second(stadium: Stadium, tmp_path: Path) -> None:
 
 def test_a_table_for_people(stadium: Stadium) -> None:
     done = CliRunner().invoke(app, asked(stadium), catch_exceptions=False)
-    assert done.output.startswith("lag [ms]")
+    assert done.output.lstrip().startswith("lag [ms]")
     assert [line.split()[0] for line in done.output.splitlines()[1:5]] == ["A", "B", "C", "total"]
     assert "B is right within" in done.output
 
