@@ -21,6 +21,10 @@ from vision_core.protocol.messages import MAX_NUMBER
 from vision_core.types.objects import Team
 
 MAX_SECONDS = 3600.0
+CHECK = (
+    "Connect as a robot, watch its views, and say how ready this computer is. End your own program first: on the same"
+    " computer the check takes the robot from it."
+)
 EXIT_CODES = "Exit code 0: all is good; 1: something is doubtful; 2: something does not work."
 Number = TypeVar("Number", int, float)
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -87,7 +91,7 @@ def _printed(findings: Iterable[Finding], *, as_json: bool) -> Grade:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="pslv", description="Examine a server, a client, or the way between them.")
     commands = parser.add_subparsers(dest="command", required=True)
-    _add_check(_command(commands, "check", "Connect as a robot, watch its views, and say how ready this computer is."))
+    _add_check(_command(commands, "check", CHECK))
     conformance = "Hold another server to docs/protocol.md, one rule after the other, from the wire only."
     _add_conformance(_command(commands, "conformance", conformance))
     trial = "Play a server to your client that loses, delays, repeats, restarts, and say what the client does wrong."

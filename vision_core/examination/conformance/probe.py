@@ -14,6 +14,8 @@ from vision_core.protocol.s_expressions import parse_forms
 
 PATIENCE_S = 1.0
 """For an answer."""
+VIEW_S = 3.0
+"""For a view: a server that is busy leaves images out."""
 QUIET_S = 0.3
 """Without a datagram for so long, none is coming."""
 ATTEMPTS = 3
@@ -156,9 +158,9 @@ class Client:
             raise Skipped("the server speaks version 1")
         return self._opened(answer)
 
-    def view(self, patience_s: float = PATIENCE_S) -> Received:
+    def view(self) -> Received:
         """The next view. Raises Skipped: the camera need not see the robot."""
-        end = time.monotonic() + patience_s
+        end = time.monotonic() + VIEW_S
         while (left_s := end - time.monotonic()) > 0.0:
             received = self.receive(left_s)
             if received is not None and received.is_view:
