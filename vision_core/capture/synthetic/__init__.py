@@ -1,7 +1,8 @@
 """The simulated ceiling camera: a known world, rendered to pixels.
 
 Theory of operation. Robots and a ball move in metres on a fixed small time step (``world``, ``physics``),
-driven by simple players (``players``); the same seed plays the same match whatever the camera's size and rate.
+driven by simple players (``players``), or by clients' programs (``drivers``); goals, possession and collisions are
+counted (``game``). Unless a client drives, the same seed plays the same match whatever the camera's size and rate.
 The renderer traces rays from the pixels into the scene. The camera model, with lens distortion and pose, gives
 each pixel's ray. A ray is stored as the point where it meets the floor; its point at height h lies the fraction
 h / (height of the optical center) of the way from there to the optical center. So parallax is not added to the
