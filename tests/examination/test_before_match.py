@@ -5,7 +5,7 @@ import math
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +14,7 @@ import pytest
 from tests.client.fake import ScriptedServer
 from tests.client.test_command import ALONE, environment
 from tests.net.serving import Stadium, running
+from vision_core.client.extras import NO_EXTRAS, Extras
 from vision_core.client.view import View
 from vision_core.clock import MonotonicClock
 from vision_core.examination.__main__ import main
@@ -121,10 +122,12 @@ def test_a_robot_that_is_not_seen_is_not_ready(stadium: Stadium) -> None:
     assert found["verdict"].grade is Grade.BAD
 
 
-def watched(times_s: list[float], *, age_s: float = 0.01, letters: str = "www") -> Watched:
-    edges = np.array(list(letters))
-    px, mm = np.zeros(len(letters), dtype=np.int16), np.zeros(len(letters))
-    views = [View(time, edges, px, mm, mm, HIDDEN, math.inf, age_s, 1e-4) for time in times_s]
+def watched(times_s: list[float], *, age_s: float = 0.01, extras: Sequence[Extras] = ()) -> Watched:
+    edges, px, mm = np.array(list("www")), np.zeros(3, dtype=np.int16), np.zeros(3)
+    views = [
+        View(time_s, edges, px, mm, mm, HIDDEN, math.inf, age_s, 1e-4, own)
+        for time_s, own in zip(times_s, extras or [NO_EXTRAS] * len(times_s), strict=True)
+    ]
     return Watched(times_s[-1] - times_s[0], views)
 
 
@@ -148,8 +151,16 @@ def test_losses_are_counted(lost: list[int], grade: Grade, said: str) -> None:
 
 def test_views_that_a_match_thins_out_are_not_missing() -> None:
     uneven = [time + (0.004 if k % 3 else 0.0) for k, time in enumerate(GRID)]
-    for period_s in (0.002, None):
-        assert on_losses(watched(uneven), period_s).sentence.startswith("0 of 1000 views are missing")
+    numbers = [Extras(seq=5 * k) for k in range(len(GRID))]
+    for one, period_s in ((watched(uneven), None), (watched(uneven, extras=numbers), 0.002)):
+        assert on_losses(one, period_s).sentence.startswith("0 of 1000 views are missing")
+
+
+def test_the_numbers_of_images_count_more_than_their_times() -> None:
+    late = [time_s + (0.02 if k == 500 else 0.0) for k, time_s in enumerate(GRID)]
+    assert on_losses(watched(late), 0.01).sentence.startswith("2 of 1002 views are missing")
+    numbered = [Extras(seq=k) for k in range(len(GRID))]
+    assert on_losses(watched(late, extras=numbered), 0.01).sentence.startswith("0 of 1000 views are missing")
 
 
 def test_rate_and_lag_are_judged() -> None:
@@ -160,7 +171,9 @@ def test_rate_and_lag_are_judged() -> None:
     )
     assert on_lag(watched(GRID, age_s=0.05)).grade is Grade.DOUBTFUL
     assert on_lag(watched(GRID, age_s=math.nan)).grade is Grade.DOUBTFUL
-    assert on_sight(watched(GRID, letters="---"), "blue 3").grade is Grade.BAD
+    assert (
+        on_sight(watched(GRID, extras=[Extras(flags=frozenset({"nopose"}))] * len(GRID)), "blue 3").grade is Grade.BAD
+    )
 
 
 def test_the_command_prints_and_its_exit_code_is_the_verdict(

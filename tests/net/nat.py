@@ -1,5 +1,6 @@
 """An address translation between a client and a server: as a router or a container's bridge has it."""
 
+import contextlib
 import select
 import socket
 import threading
@@ -44,15 +45,19 @@ class Nat:
 
     def _run(self) -> None:
         while not self._left.is_set():
-            with self._lock:
-                doors = dict(self._doors)
-            ready, _, _ = select.select([self._inside, *(d for d in doors.values() if d.fileno() >= 0)], [], [], 0.02)
-            if self._inside in ready:
-                data, client = self._inside.recvfrom(2048)
-                self._door(client).send(data)
-            for client, door in doors.items():
-                if door in ready and door.fileno() >= 0:
-                    self._inside.sendto(door.recv(2048), client)
+            with contextlib.suppress(OSError, ValueError):  # a door was closed meanwhile: what was in it is lost
+                self._pass_on()
+
+    def _pass_on(self) -> None:
+        with self._lock:
+            doors = dict(self._doors)
+        ready, _, _ = select.select([self._inside, *doors.values()], [], [], 0.02)
+        if self._inside in ready:
+            data, client = self._inside.recvfrom(2048)
+            self._door(client).send(data)
+        for client, door in doors.items():
+            if door in ready:
+                self._inside.sendto(door.recv(2048), client)
 
     def _door(self, client: Address) -> socket.socket:
         with self._lock:

@@ -12,10 +12,12 @@ from vision_core.examination.measures import on_clock, on_lag, on_losses, on_rat
 from vision_core.examination.way import own_address, place_of, why_silent
 from vision_core.models.mirror import MM_PER_M
 from vision_core.protocol.error_codes import ErrorCode
+from vision_core.protocol.options import Options
 from vision_core.types.objects import Team
 
 FEWEST_VIEWS = 3
 """Fewer say nothing about losses and lag."""
+ASKED = Options(extras=("seq", "age"))
 TYPES = {"same": "no robot", "team": "a robot's team", "number": "a robot's team and number"}
 
 
@@ -56,7 +58,7 @@ def _findings(asked: Asked, clock: Clock, seconds: float, timeout_s: float) -> I
     own = own_address(place)
     yield good("name", f"{host} is {place.address[0]}; this computer is {own} on the way there")
     try:
-        with connect(host, port, team, number, key=key, timeout_s=timeout_s, clock=clock) as robot:
+        with connect(host, port, team, number, options=ASKED, key=key, timeout_s=timeout_s, clock=clock) as robot:
             yield good("admission", f"the server serves this computer as {asked.robot}{', by the key' if key else ''}")
             yield _port(robot, port)
             yield from _session(robot)

@@ -10,14 +10,11 @@ from vision_core.client.connection import Connection
 from vision_core.client.view import View
 from vision_core.clock import MS_PER_S, Clock, after, seconds_between
 from vision_core.examination.findings import Finding, bad, doubtful, good
+from vision_core.geometry import Floats
 
 PATIENCE_S = 1.0
-NOTHING = "-"
-"""Letter of a direction in which nothing is within range."""
 GOOD_LOSS, BAD_LOSS = 0.005, 0.05
 """Share of the views that are missing: up to the first good, above the second bad."""
-THINNED = 1.5
-"""Periods of the camera: views that come more seldom are thinned out."""
 GOOD_LAG_PERIODS = 2.0
 GOOD_BOUND_S = 1e-3
 ENOUGH_RATE = 0.95
@@ -33,13 +30,24 @@ class Watched:
 
     @property
     def seen(self) -> Sequence[View]:
-        """Those in which the camera saw the robot: the others have no edge at all."""
-        return [view for view in self.views if (view.letters != NOTHING).any()]
+        """Those in which the camera saw the robot."""
+        return [view for view in self.views if view.is_seen]
 
     @property
-    def intervals_s(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def intervals_s(self) -> Floats:
         """Between the images of one view and the next [s], shape (views - 1,)."""
         return np.diff([view.time_s for view in self.views])
+
+    def steps(self, period_s: float | None) -> Floats:
+        """How many images the camera took from one view to the next, shape (views - 1,).
+
+        By the images' numbers; a server of version 1 tells none, so there the time counts. period_s: between two
+        images, None: not told.
+        """
+        numbers = [view.seq for view in self.views if view.seq is not None]
+        if len(numbers) == len(self.views):
+            return np.diff(np.array(numbers, dtype=np.float64))
+        return np.rint(self.intervals_s / (period_s or float(np.median(self.intervals_s))))
 
 
 def watch(robot: Connection, seconds: float, clock: Clock) -> Watched:
@@ -79,15 +87,13 @@ def on_rate(watched: Watched, period_s: float | None) -> Finding:
 def on_losses(watched: Watched, period_s: float | None) -> Finding:
     """How many images gave no view, and how long was the longest gap? period_s: as in ``on_rate``.
 
-    Where views come much more seldom than images, a match has fixed their rate, and their own period counts.
+    Where views come of every second image or less often, a match has fixed their rate, and that one counts.
     """
-    intervals_s = watched.intervals_s
-    usual_s = float(np.median(intervals_s))
-    if period_s is None or usual_s > THINNED * period_s:
-        period_s = usual_s
-    missing = int(np.maximum(np.rint(intervals_s / period_s) - 1.0, 0.0).sum())
+    steps = watched.steps(period_s)
+    usual = max(float(np.median(steps)), 1.0)
+    missing = int(np.maximum(np.rint(steps / usual) - 1.0, 0.0).sum())
     images = missing + len(watched.views)
-    gap_ms = float(intervals_s.max()) * MS_PER_S
+    gap_ms = float(watched.intervals_s.max()) * MS_PER_S
     said = f"{missing} of {images} views are missing; the longest gap is {gap_ms:.0f} ms"
     if missing <= GOOD_LOSS * images:
         return good("losses", said)
@@ -103,6 +109,8 @@ def on_lag(watched: Watched) -> Finding:
     p50_ms, p99_ms = np.percentile([view.age_s for view in known], (50, 99)) * MS_PER_S
     bound_ms = max(view.age_bound_s for view in known) * MS_PER_S
     said = f"views are {p50_ms:.1f} ms old when they arrive, 99 of 100 at most {p99_ms:.1f} ms, +- {bound_ms:.1f} ms"
+    if lags := [view.lag for view in known if view.lag is not None]:
+        said += f"; {np.median([lag.server_s for lag in lags]) * MS_PER_S:.1f} ms until they are sent"
     limit_ms = GOOD_LAG_PERIODS * float(np.median(watched.intervals_s)) * MS_PER_S
     if p99_ms <= limit_ms:
         return good("lag", said)
