@@ -15,6 +15,7 @@ from app.commands.running import only_service
 from vision_core.errors import PslvError, ServiceError, SourceError
 
 if TYPE_CHECKING:
+    from app.web.fairness.kept import KeptReports
     from app.web.reports.fairness import FairnessReport, ServedReport
     from vision_core.rtdb.infos import ServiceInfo
 
@@ -50,13 +51,23 @@ def fairness(
         return
     running = blackboard.fairness()
     if record:
-        report = kept.read(record)
+        report = _kept(kept, record)
     elif running is not None:
         report = fairness_report(running)
     else:
         raise ServiceError("pslv fairness", found="nothing is recorded yet", accepted="a service that is ready")
     _print(report)
     _write(report, json, html, picture)
+
+
+def _kept(reports: "KeptReports", name: str) -> "FairnessReport":
+    """A report that was kept. Raises PslvError when there is none of this name."""
+    from app.web.problems import RequestRefused
+
+    try:
+        return reports.read(name)
+    except RequestRefused as refused:
+        raise PslvError(**{key: refused.parts[key] for key in ("asked", "found", "accepted")}) from None
 
 
 def _print(report: "FairnessReport") -> None:

@@ -1,9 +1,9 @@
 """The server's sockets; no other package of the core opens any.
 
-``udp`` opens UDP sockets and knows no protocol. ``delivery`` sends a frame's datagrams from compiled code. ``server``
-joins both to the ``Sessions`` of the protocol. ``control`` is the other side of a service's control socket: it asks a
-running service for its database, for ``pslv top`` and benchmarks. ``unix_peers`` names the process at the other end of
-a Unix socket.
+``udp`` opens UDP sockets and knows no protocol. ``delivery`` sends a frame's datagrams from compiled code, in the order
+of ``sending_order``; ``fairness`` counts who had which place and lag. ``server`` joins both to the ``Sessions`` of the
+protocol. ``control`` is the other side of a service's control socket: it asks a running service for its database, for
+``pslv top`` and benchmarks. ``unix_peers`` names the process at the other end of a Unix socket.
 
 Two ports. Clients send ``init`` to the main port; everything else goes through the session port. There each session has
 a socket of its own, bound to our address that the init came to and connected to its client. So the kernel gives each
