@@ -434,7 +434,7 @@ export interface paths {
         /**
          * Fairness
          * @description The impartiality report: places in the order of sending, lags and drops of each team and robot, and the
-         *     verdict. It is two seconds old at most.
+         *     verdict. It is three seconds old at most.
          */
         get: operations["fairness_api_v1_fairness_get"];
         put?: never;
