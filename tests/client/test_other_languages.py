@@ -171,9 +171,14 @@ def python_line(data: bytes, options: Options = WHOLE, mirror: Mirror = PAPER_MI
 
 
 def finish(client: subprocess.Popen[str]) -> tuple[int, list[str], str]:
-    """Its exit status, the lines that it printed, and its complaints."""
-    output, complaints = client.communicate(timeout=30)
-    return client.returncode, output.splitlines(), complaints
+    """Its exit status, the lines that it printed since the last one that was read, and its complaints.
+
+    ``communicate`` would miss the lines that came together with the last one.
+    """
+    assert client.stdout is not None
+    assert client.stderr is not None
+    lines, complaints = client.stdout.read().splitlines(), client.stderr.read()
+    return client.wait(timeout=30), lines, complaints
 
 
 def test_views_are_decoded_as_in_python(start: Start, stadium: Varied, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -217,7 +217,7 @@ def cookies_are_of_one_address_and_one_moment() -> None:
         with speaker(pid, CLIENT) as own, speaker(pid, CLIENT) as port, speaker(pid, OTHER_CLIENT) as host:
             (challenge,) = answers(own, stadium.port, b"(init blue 3 (version 2))")
             cookie = challenge[len("(challenge ") : -1]
-            flipped = bytes([cookie[0] ^ 1]) + cookie[1:]
+            flipped = (b"1" if cookie[:1] == b"0" else b"0") + cookie[1:]
             for thief, wrong in ((port, cookie), (host, cookie), (own, flipped)):
                 (refused,) = answers(thief, stadium.port, init % wrong)
                 assert refused.startswith(b"(challenge "), refused

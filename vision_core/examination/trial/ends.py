@@ -57,6 +57,7 @@ def replaced(server: TrialServer) -> Iterator[Finding]:
 
 def farewell(server: TrialServer) -> Iterator[Finding]:
     """The program is stopped by Ctrl-C."""
+    server.play(BACK_S, lambda: server.session is not None)  # it may have to start again
     server.play(FAIR_S)
     start = server.clock.now()
     server.program.interrupt()
