@@ -177,7 +177,8 @@ def finish(client: subprocess.Popen[str]) -> tuple[int, list[str], str]:
     """
     assert client.stdout is not None
     assert client.stderr is not None
-    lines, complaints = client.stdout.read().splitlines(), client.stderr.read()
+    with client.stdout, client.stderr:
+        lines, complaints = client.stdout.read().splitlines(), client.stderr.read()
     return client.wait(timeout=30), lines, complaints
 
 
