@@ -58,8 +58,10 @@ def listener(service: RunningService, team: str, number: int) -> tuple[socket.so
     """A connected client: its socket and the address that serves it."""
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     client.settimeout(PATIENCE_S)
-    client.sendto(f"(init {team} {number})".encode(), ("127.0.0.1", service.udp_port))
-    reply, server = client.recvfrom(4096)
+    reply, server = b"(error not_ready)", ("", 0)
+    while reply == b"(error not_ready)":  # the last one that it was: it has just become ready
+        client.sendto(f"(init {team} {number})".encode(), ("127.0.0.1", service.udp_port))
+        reply, server = client.recvfrom(4096)
     assert reply == f"(init {team} {number} play_on)".encode()
     return client, server
 
