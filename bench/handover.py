@@ -117,6 +117,13 @@ def joined(
     return Handover(np.array(latencies), total, incomplete, skipped, work_us, notes)
 
 
+def joined_latencies(frames: list[Timestamps], received: Report, boot: int) -> list[tuple[int, int]]:
+    """When each frame was published that all clients received, and its latency [ns]."""
+    views = {time_us: last for time_us, count, _first, last in received["views"] if count == received["clients"]}
+    times = ((written, (measured - boot) // NS_PER_US) for measured, written in frames)
+    return [(written, views[time_us] - written) for written, time_us in times if time_us in views]
+
+
 def _baselines(rate_hz: float, seconds: float, work_us: dict[str, float]) -> tuple[dict[str, Report], str]:
     """Reports of the C baseline without work and with the service's work; none, and the reason, without a compiler."""
     program, message = build_program("handover")

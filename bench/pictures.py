@@ -55,19 +55,21 @@ def description_of(settings: Settings) -> str:
 
 
 @contextlib.contextmanager
-def match_service(rate_hz: float) -> Iterator[tuple[RunningService, Attached, str]]:
+def match_service(
+    rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM
+) -> Iterator[tuple[RunningService, Attached, str]]:
     """A running service that shows a match at a rate, all frames in its memory; its database; the frames in words."""
     with tempfile.TemporaryDirectory(prefix="pslv-bench-") as name:
-        description = _write_match(Path(name), rate_hz)
+        description = _write_match(Path(name), rate_hz, robots_per_team)
         settings = f"camera.rate_hz = {rate_hz}\nmatch.numbers = {ROBOTS_PER_TEAM}\n"
         with attached_service(settings, "--source", f"file:{name}") as (service, attached):
             _wait_until_all_are_loaded(attached)
             yield service, attached, description
 
 
-def _write_match(folder: Path, rate_hz: float) -> str:
+def _write_match(folder: Path, rate_hz: float, robots_per_team: int) -> str:
     """Write a match's frames into a folder, in the order of playback. Returns them in words."""
-    settings, frames = render_match(rate_hz)
+    settings, frames = render_match(rate_hz, robots_per_team)
     for place, number in enumerate(playback_order()):
         if place == number:
             write_picture(folder / f"{number:04d}.bmp", frames[number])

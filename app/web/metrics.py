@@ -64,6 +64,7 @@ class ServiceCollector(Collector):
         yield from _processes(snapshot)
         yield from _clients(snapshot)
         yield from _tasks(snapshot)
+        yield from _rehearsals(snapshot)
         yield from _times(snapshot, timings)
         yield _lags(timings)
 
@@ -118,6 +119,17 @@ def _tasks(snapshot: ServiceSnapshot) -> Iterator[Metric]:
         for name, info in reported.items():
             family.add_metric([name, info.process], getattr(info, tally))
         yield family
+
+
+def _rehearsals(snapshot: ServiceSnapshot) -> Iterator[Metric]:
+    counted = CounterMetricFamily("pslv_task_rehearsals", "Rehearsals of a task", labels=[*LABELS, "outcome"])
+    spent = CounterMetricFamily("pslv_task_rehearsal_seconds", "Spent in rehearsals and watching", labels=LABELS)
+    for name, timed in snapshot.tasks.items():
+        if timed.valid and (rehearsals := timed.value.rehearsals):
+            for outcome in ("rehearsed", "cut_short", "skipped"):
+                counted.add_metric([name, timed.value.process, outcome], getattr(rehearsals, outcome))
+            spent.add_metric([name, timed.value.process], rehearsals.spent_s)
+    yield from (counted, spent)
 
 
 def _times(snapshot: ServiceSnapshot, timings: Timings) -> Iterator[Metric]:

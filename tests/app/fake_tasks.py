@@ -20,6 +20,7 @@ from vision_core.rtdb.infos import (
     ProcessInfo,
     Refusal,
     RefusalKind,
+    Rehearsals,
     SelfTest,
     TaskInfo,
     TaskOverride,
@@ -117,6 +118,7 @@ def task_info(task: Task, override: TaskOverride, frames: int, condition: Condit
         response_max_ms=2.4 * response_ms,
         interval_mean_ms=interval_ms,
         interval_sd_ms=0.02 * interval_ms,
+        rehearsals=Rehearsals(frames - 9, 4, 5, 0.002 * frames) if task.on_frame_path else None,
         note=condition.notes.get(task.name, ""),
     )
 

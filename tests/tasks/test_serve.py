@@ -1,5 +1,6 @@
 """Changes while programs of both teams are connected, mirror and match: at one frame for all, and no frame is lost."""
 
+import itertools
 import os
 import socket
 from collections.abc import Iterator
@@ -235,3 +236,22 @@ def test_a_monitor_is_sent_the_whole_field_and_in_a_match_no_longer(rig: Rig) ->
         rig.begin_match(admitted=["127.0.0.1"])
         rig.frame()
         assert program.received() == [ErrorReply("not_admitted")]
+
+
+def test_a_rehearsal_sends_nothing_and_leaves_no_trace(rig: Rig) -> None:
+    def state() -> tuple[bytes, bytes, bytes]:
+        server = rig.task.server
+        return server.snapshot(), server.fairness.table.tobytes(), rig.task._tracker._state.tobytes()
+
+    assert not rig.task.rehearse(lambda: False)  # there was no frame yet
+    for _ in range(5):
+        views = rig.frame()
+        before, texts = state(), bytes(rig.task._encoder.text.text)
+        for stages in range(4):
+            answers = itertools.chain(itertools.repeat(False, stages), itertools.repeat(True))
+            assert rig.task.rehearse(lambda answers=answers: next(answers)) == (stages == 3)  # type: ignore[misc]
+        assert rig.task.rehearse(lambda: False)
+        assert state() == before
+        assert bytes(rig.task._encoder.text.text) == texts, "the same views are written again"
+        assert [program.received() for program in rig.programs] == [[]] * len(ROBOTS)
+    assert len(views) == len(ROBOTS)

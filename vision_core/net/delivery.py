@@ -151,6 +151,8 @@ class DeliveryTable:
         self.rows = rows
         self._due = np.zeros(count, dtype=np.uint8)
         self._buffers = SendBuffers(np.zeros(count, dtype=np.int64), self.fairness.table, np.zeros(2, dtype=np.int64))
+        self._rehearsed_rows = rows.copy()
+        self._rehearsal = SendBuffers(*(np.zeros_like(memory) for memory in self._buffers))
 
     def address(self, row: int, robot: int, descriptor: int, options: Options) -> None:
         """Set whose a row is, where its datagrams go and how often. robot: by ``types.fairness.robot_index``."""
@@ -167,6 +169,14 @@ class DeliveryTable:
     def send(self, at: Instant, batch: Batch) -> tuple[int, int]:
         """Send a frame and update the rows; returns how many rows had a datagram, and how many the network refused."""
         return send_all(self.rows, at, batch.text, batch.starts, batch.lengths, self._buffers)
+
+    def rehearse(self, at: Instant, batch: Batch, descriptor: int) -> None:
+        """Send a frame's datagrams to one socket; no row, counter or record changes. descriptor: of that socket."""
+        np.copyto(self._rehearsed_rows, self.rows)
+        self._rehearsed_rows["descriptor"] = descriptor
+        for name in ("seed", "boot"):  # of the order of sending
+            self._rehearsal.fairness[name] = self.fairness.table[name]
+        send_all(self._rehearsed_rows, at, batch.text, batch.starts, batch.lengths, self._rehearsal)
 
     @property
     def order(self) -> NDArray[np.int64]:

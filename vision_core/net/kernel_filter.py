@@ -9,6 +9,7 @@ import ctypes
 import socket
 import struct
 from array import array
+from collections.abc import Sequence
 
 LONGEST = 1024
 """As ``protocol.commands.MAX_COMMAND``, which this module does not import: the standard library is enough [bytes]."""
@@ -40,9 +41,18 @@ PROGRAM = (
 
 def attach_filter(opened: socket.socket) -> bool:
     """Let the kernel drop what cannot be a command; False where there is no such filter: the server drops it then."""
-    code = b"".join(INSTRUCTION.pack(*instruction) for instruction in PROGRAM)
+    return _attach(opened, PROGRAM)
+
+
+def drop_all(opened: socket.socket) -> bool:
+    """Let the kernel drop everything; False where there is no such filter: then the buffer fills and it drops."""
+    return _attach(opened, PROGRAM[-1:])
+
+
+def _attach(opened: socket.socket, instructions: Sequence[tuple[int, int, int, int]]) -> bool:
+    code = b"".join(INSTRUCTION.pack(*instruction) for instruction in instructions)
     memory = ctypes.create_string_buffer(code, len(code))
-    program = struct.pack("HP", len(PROGRAM), ctypes.addressof(memory))
+    program = struct.pack("HP", len(instructions), ctypes.addressof(memory))
     try:
         opened.setsockopt(socket.SOL_SOCKET, SO_ATTACH_FILTER, program)
     except OSError:

@@ -26,7 +26,7 @@ from vision_core.geometry import Bytes
 from vision_core.net.delivery import Batch, DeliveryTable
 from vision_core.net.delivery_rows import DELIVERY, REFUSED, UNREACHABLE, new_rows, note_report
 from vision_core.net.fairness import FairnessRecord
-from vision_core.net.udp import Datagram, SendResult, SessionSocket, SharedSocket
+from vision_core.net.udp import Datagram, SendResult, SessionSocket, SharedSocket, open_sink
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.error_codes import ErrorCode
 from vision_core.protocol.events import (
@@ -98,6 +98,7 @@ class UdpServer:
         self._budget_ns = round(strangers_s * NS_PER_S)
         self._strangers_ns = 0
         """Processor time that the shared sockets have taken since the last frame."""
+        self._sink = open_sink()
         self._poll = select.epoll()
         for shared in self._shared.values():
             self._listen(shared.fileno(), shared)
@@ -145,6 +146,7 @@ class UdpServer:
             session_socket.close()
         self._sockets.clear()
         self._sources.clear()
+        self._sink.close()
         self._poll.close()
 
     def __contains__(self, session: Session) -> bool:
@@ -259,6 +261,11 @@ class UdpServer:
         for monitor in self.sessions.monitors:
             ended = datagram + (b"\0" if monitor.nul else b"")
             self._shared[monitor.endpoint.port].send(ended, monitor.peer, monitor.endpoint.local)
+
+    def rehearse_batch(self, at: Instant, batch: Batch) -> None:
+        """Send a frame's views to a socket of our own that drops them; nothing changes."""
+        if not self._table_is_stale and len(batch.lengths) == len(self._in_table):
+            self._table.rehearse(at, batch, self._sink.fileno())
 
     def apply_events(self, events: Iterable[Event]) -> list[Event]:
         """Open, move and close sockets and send replies, in order; returns these events and those that followed."""

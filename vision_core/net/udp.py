@@ -12,7 +12,7 @@ from typing import TypeAlias
 from vision_core.arrival_stamps import STAMP_SPACE, age_ns, stamp_arrivals
 from vision_core.errors import ServiceError
 from vision_core.net.error_queue import report_errors, reported_errors
-from vision_core.net.kernel_filter import attach_filter, dropped
+from vision_core.net.kernel_filter import attach_filter, drop_all, dropped
 
 Address: TypeAlias = tuple[str, int, int]
 """Host, port, and the scope of an IPv6 link-local address (0 elsewhere)."""
@@ -75,6 +75,16 @@ def open_server_sockets(host: str, udp_port: int, session_port: int) -> tuple[so
         with contextlib.suppress(ServiceError):
             return main, _open_second(main, host, min(main.getsockname()[1] + 1, 65535))
     raise ServiceError(f"two UDP ports on {host or 'all addresses'}", found="none free", accepted="a free pair")
+
+
+def open_sink() -> socket.socket:
+    """A socket on loopback that is connected to itself and drops whatever it is sent."""
+    sink = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sink.setblocking(False)
+    drop_all(sink)
+    sink.bind(("127.0.0.1", 0))
+    sink.connect(sink.getsockname())
+    return sink
 
 
 def adopted(descriptor: int) -> socket.socket:

@@ -5,7 +5,7 @@ rows that moves over the picture, so that new objects are found. When fewer robo
 the whole frame is searched at once, in the same call.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
@@ -25,6 +25,7 @@ from vision_core.models.field import accepted_half_extent
 from vision_core.models.from_settings import robots_of
 from vision_core.models.mirror import MM_PER_M
 from vision_core.native.kernels import Boxed, box, kernel, read_only
+from vision_core.native.rewind import Rewind
 from vision_core.objects.ball.finder import BallFinder, ball_finder, find_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.confirmation import confirm_robots
@@ -204,6 +205,9 @@ class Perception:
         """The last frame, corrected to the venue's light."""
         self._seen = SightingsTable()
         self._last = Instant(0)
+        self._gap_s = ALONE
+        held, cursor = self.context.held, self.context.segment.cursor
+        self._rewind = Rewind([self._seen.whole, self.context.expected, held.robots, held.size, cursor])
 
     @cached_property
     def _boxed(self) -> Boxed:
@@ -238,6 +242,20 @@ class Perception:
     def perceive_lit(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
         """The same for a frame that is in the light of the settings."""
         return self._seen_in(frame, frame.pixels, clock)
+
+    def rehearse(self, give_way: Callable[[], bool]) -> bool:
+        """Perceive the last frame once more and undo it, so that the next one finds warm caches.
+
+        give_way: is asked between the stages, True ends the rehearsal. Returns whether it was a whole one.
+        """
+        with self._rewind.rewound() as was_run:
+            if not was_run or give_way():
+                return False
+            pixels = read_only(self.lighting.relit(self.raw))
+            if give_way():
+                return False
+            perceive_picture(pixels, self._gap_s, self._boxed, self.blobs, self._seen.whole)
+            return True
 
     def perceive_alone(self, frame: ImageFrame, clock: Clock) -> SightingsTable:
         """The same for a single picture: no robot of the frames before is held."""
@@ -291,7 +309,8 @@ class Perception:
     def _seen_in(self, frame: ImageFrame, lit: Bytes, clock: Clock) -> SightingsTable:
         self.raw, self.pixels = frame.pixels, read_only(lit)
         gap_s = (frame.grabbed - self._last) / NS_PER_S if frame.grabbed > self._last else ALONE
-        self._last = frame.grabbed
+        self._last, self._gap_s = frame.grabbed, gap_s
+        self._rewind.keep()
         self.blob_count, is_missing = perceive_picture(self.pixels, gap_s, self._boxed, self.blobs, self._seen.whole)
         if is_missing or self._shapes.size[0]:
             self._confirm(gap_s)

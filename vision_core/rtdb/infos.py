@@ -179,6 +179,19 @@ class Refusal:
         return f"{self.kind} {self.asked}".rstrip() + f" is refused: {self.why}"
 
 
+@dataclass(slots=True)
+class Rehearsals:
+    """How often a task has rehearsed its next run, since its start."""
+
+    rehearsed: int = 0
+    cut_short: int = 0
+    """Gave way to a release."""
+    skipped: int = 0
+    """Releases before which there was no time for one."""
+    spent_s: float = 0.0
+    """In rehearsals, and in watching for the release after them."""
+
+
 @dataclass(frozen=True, slots=True)
 class TaskInfo:
     """The state of a task; its recent rate, responses and intervals."""
@@ -208,6 +221,8 @@ class TaskInfo:
     """Between the beginnings of two runs: the inter-activation interval of the CAMBADA paper's table 3."""
     interval_sd_ms: float
     """Its standard deviation, the jitter."""
+    rehearsals: Rehearsals | None
+    """None: the task has no rehearsal."""
     note: str
     """What a person should know: waiting for frames, opening the camera, ..."""
 
@@ -242,6 +257,7 @@ class TaskOverride:
     enabled: bool | None = None
     period_ms: float | None = None
     priority: int | None = None
+    rehearse: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)

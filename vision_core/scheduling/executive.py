@@ -24,6 +24,7 @@ from vision_core.scheduling.realtime import (
     sleep_until,
     stay_on,
 )
+from vision_core.scheduling.rehearser import Rehearser
 from vision_core.scheduling.releases import Grid, Release, Trigger
 
 COLLECT_EVERY_NS = 10 * NS_PER_S
@@ -47,6 +48,7 @@ class _Running:
     """None: a driver's task, which is always due."""
     waking: list[SlotWriter]
     """Its outputs that release other tasks."""
+    rehearser: Rehearser | None
     policy: str = ""
     refusal: Refusal | None = None
     """Of its priority."""
@@ -86,7 +88,9 @@ class Executive:
         waking = [writer for name, writer in handle.outputs.items() if self._attachment.resources.notify.get(name)]
         handle.notified = {writer.spec.name: writer.sequence for writer in waking} | handle.notified
         metrics = TaskMetrics(store, task, self._attachment.resources.process)
-        return _Running(task, task, handle, step, metrics, self._schedule(task), waking)
+        rehearser = None if handle.rehearsal is None else Rehearser(handle.rehearsal, self._clock)
+        metrics.rehearsals = rehearser.counts if rehearser else None
+        return _Running(task, task, handle, step, metrics, self._schedule(task), waking, rehearser)
 
     def _schedule(self, task: Task) -> Grid | Trigger | None:
         if task.trigger == DRIVER:
@@ -124,6 +128,8 @@ class Executive:
     def _run(self, running: _Running, release: Release) -> None:
         if running.task.times.priority != self._priority:
             self._ask(running.task.times.priority)
+        if running.rehearser is not None:
+            running.rehearser.released(release.due)
         result = running.step(release)
         done = self._clock.now()
         for writer in running.waking:
@@ -152,6 +158,11 @@ class Executive:
             for running in self._tasks
             if running.task.times.enabled and isinstance(running.schedule, Grid)
         ]
+        rehearsals = self._rehearsals(now)
+        if rehearsals and rehearsals[0][0] <= now:
+            self._rehearse(rehearsals[0][1])
+            return
+        due += [begin for begin, _ in rehearsals[:1]]
         heartbeat = after(now, HEARTBEAT_EVERY_S)
         if self._listening:
             self._listen(min([heartbeat, *due]))
@@ -161,6 +172,26 @@ class Executive:
                 pass
         else:
             sleep_until(heartbeat)
+
+    def _rehearsals(self, now: Instant) -> list[tuple[Instant, _Running]]:
+        """When which task is to rehearse, the first one first."""
+        found = []
+        for running in self._tasks:
+            rehearser, times = running.rehearser, running.task.times
+            if rehearser is not None and times.enabled and times.rehearse and (begin := rehearser.begin(now)):
+                found.append((begin, running))
+        return sorted(found, key=lambda one: one[0])
+
+    def _rehearse(self, running: _Running) -> None:
+        """Rehearse a task, then watch for its release until that is late: sleeping would cost the wake-up."""
+        rehearser, schedule = running.rehearser, running.schedule
+        assert rehearser is not None
+        assert isinstance(schedule, Trigger)
+        until = rehearser.rehearse(lambda: schedule.waits)
+        began = now = self._clock.now()
+        while now < until and not schedule.waits and not self._is_interrupted():
+            now = self._clock.now()
+        rehearser.watched(began)
 
     def _collect_garbage(self, now: Instant) -> None:
         """Collect garbage every COLLECT_EVERY_NS, when no task is due."""

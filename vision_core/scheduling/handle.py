@@ -15,6 +15,7 @@ from vision_core.rtdb.slots import SlotReader, SlotWriter
 from vision_core.rtdb.task import Task
 from vision_core.scheduling.attachment import Attachment
 from vision_core.scheduling.realtime import sleep_until
+from vision_core.scheduling.rehearser import Rehearsal
 from vision_core.scheduling.releases import Release, StepResult
 from vision_core.settings.schema import Settings
 
@@ -41,6 +42,7 @@ class Handle:
         self.outputs: dict[str, SlotWriter] = {}
         self.notified: dict[str, int] = {}
         """Sequence number of each output when it last released other tasks."""
+        self.rehearsal: Rehearsal | None = None
         self._on_switch: list[Callable[[], object]] = []
 
     @property
@@ -84,6 +86,10 @@ class Handle:
     def listen(self, descriptor: int, handler: Callable[[], object]) -> None:
         """Call a handler whenever a descriptor is readable, between runs."""
         self.listeners[descriptor] = handler
+
+    def rehearse_with(self, rehearsal: Rehearsal) -> None:
+        """Repeat the last run shortly before the next release, and undo it: see ``rehearser``."""
+        self.rehearsal = rehearsal
 
     def every_turn(self, callback: Callable[[], object]) -> None:
         """Call a function after every run and every wait, at least ten times a second."""

@@ -6,7 +6,7 @@ from collections import deque
 
 from vision_core.clock import NS_PER_MS, NS_PER_S, Instant
 from vision_core.rtdb import records
-from vision_core.rtdb.infos import TIMINGS, Refusal, TaskInfo
+from vision_core.rtdb.infos import TIMINGS, Refusal, Rehearsals, TaskInfo
 from vision_core.rtdb.store import Store
 from vision_core.rtdb.task import Task
 from vision_core.scheduling.releases import Release, StepResult
@@ -33,6 +33,7 @@ class TaskMetrics:
         self._published, self._hurried = Instant(0), False
         self._rate = RunningRate()
         self.collections = 0
+        self.rehearsals: Rehearsals | None = None
         self.note = ""
 
     def count_run(self, release: Release, result: StepResult, done: Instant) -> None:
@@ -90,6 +91,7 @@ class TaskMetrics:
             response_max_ms=responses[-1] / NS_PER_MS if responses else 0.0,
             interval_mean_ms=_mean(self._intervals_ns) / NS_PER_MS,
             interval_sd_ms=_deviation(self._intervals_ns) / NS_PER_MS,
+            rehearsals=self.rehearsals,
             note=self.note[:MAX_NOTE],
         )
         self._writer.write(info, now, now)

@@ -92,6 +92,11 @@ class Trigger:
             return Release(view.written, now, passed, view.sequence)
         return Release(max(view.written, at.due), now, min(passed, at.missed), view.sequence)
 
+    @property
+    def waits(self) -> bool:
+        """Was the record written since it released the task last?"""
+        return self._record.sequence != self._seen
+
     def forget(self) -> None:
         """Start anew with the newest writing; older ones are not missed, since the task was switched off."""
         self._seen = max(self._record.sequence - 1, 0)

@@ -4,7 +4,7 @@ LIVE = ("match", "mirror", "tracks", "views", "admission", "faults")
 """Sections of which every setting is live."""
 LIVE_KEYS = ("colors.light.adapt",)
 """Single live settings of other sections."""
-LIVE_OF_TASKS = ("enabled", "period_ms", "priority")
+LIVE_OF_TASKS = ("enabled", "period_ms", "priority", "rehearse")
 """Settings of each task that are live."""
 UNUSED = "camera.lens"
 """No process reads it: calibrations begin with the newest settings."""

@@ -486,6 +486,9 @@ class TaskTimes(Record, frozen=True):
     offset_ms: Annotated[float, Meta(ge=0.0, le=3.6e6, description="of the period's grid")] = 0.0
     enabled: bool = True
     cores: Annotated[tuple[Annotated[int, Meta(ge=0, le=1023)], ...], Meta(description="empty: any")] = ()
+    rehearse: Annotated[
+        bool, Meta(description="repeat the last run shortly before the next, for warm caches, if the task can")
+    ] = True
 
     @property
     def period_s(self) -> float:

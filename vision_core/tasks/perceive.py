@@ -14,6 +14,7 @@ from vision_core.pipeline.perception import Perception
 from vision_core.rtdb import records
 from vision_core.rtdb.slots import SlotView
 from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.rehearser import GiveWay
 from vision_core.scheduling.releases import IDLE, Release, StepResult
 from vision_core.types.image import ImageFrame
 
@@ -28,13 +29,14 @@ def start(handle: Handle) -> Step:
     colors = LiveColors(perception, handle.reader(records.palette(camera.name)))
     suggested = SuggestedRobots(perception, handle.reader(records.suggestions(camera.name)))
     perceived = frames.sequence
+    last: SlotView | None = None
 
     def step(release: Release) -> StepResult:
-        nonlocal perceived
+        nonlocal perceived, last
         view = frames.view()
         if view is None or view.sequence == perceived:
             return IDLE
-        perceived = view.sequence
+        perceived, last = view.sequence, view
         colors.refresh(handle.clock.now())
         suggested.refresh(handle.clock.now())
         newer = view.sequence - release.sequence  # images that came between the release and this call
@@ -46,6 +48,11 @@ def start(handle: Handle) -> Step:
         sightings.write(seen.bytes, view.measured, handle.clock.now())
         return StepResult(missed=newer)
 
+    def rehearse(give_way: GiveWay) -> bool:
+        """Perceive the last image once more, while it is still in the ring."""
+        return last is not None and frames.is_unchanged(last) and perception.rehearse(give_way)
+
+    handle.rehearse_with(rehearse)
     return step
 
 

@@ -11,17 +11,20 @@ unexpectedly, its successor goes on with the same clients, ports and Time.
 from collections.abc import Sequence
 
 from vision_core.clock import Instant, seconds_between
+from vision_core.geometry import Bytes
 from vision_core.net.delivery_report import DeliveryReport
 from vision_core.net.drivers import Drivers
 from vision_core.net.server import SendSummary, UdpServer
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.pipeline.warm_up import views as warm_up_views
 from vision_core.protocol.events import Driven, Event, Reply, RequestRefused
+from vision_core.protocol.lifecycle import Session
 from vision_core.protocol.session import Sessions
 from vision_core.protocol.show import encode_show
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import EndedSession
 from vision_core.scheduling.handle import Handle, Step
+from vision_core.scheduling.rehearser import GiveWay
 from vision_core.scheduling.releases import IDLE, Release, StepResult
 from vision_core.settings.schema import Settings
 from vision_core.tasks.fairness_keeper import FairnessKeeper
@@ -40,6 +43,7 @@ def start(handle: Handle) -> Step:
     warm_up_views(handle.settings)
     task = ServeTask(handle)
     handle.listen(task.server.fileno(), task.receive)
+    handle.rehearse_with(task.rehearse)
     handle.every_turn(task.receive)  # also when every frame is late
     handle.every_turn(task.publish_if_due)
     return task.serve_newest
@@ -75,6 +79,8 @@ class ServeTask:
         self._numbers = _numbers(handle.settings)
         self._revision = 0
         self._ended: tuple[EndedSession, ...] = ()
+        self._last_sent: tuple[Instant, tuple[Session, ...], Bytes] | None = None
+        """Grab of the last frame, the sessions, and which of them were due."""
         self._seen_at: Instant | None = self._clock.now()
         """When views were sent last; None: clients know that the vision is lost."""
         self._apply_live_settings(self._clock.now())  # a successor goes on with what was changed before
@@ -106,6 +112,20 @@ class ServeTask:
         self._save_sessions()
         return StepResult(missed=missed)
 
+    def rehearse(self, give_way: GiveWay) -> bool:
+        """Track, encode and send the last frame once more, to nobody; everything ends as it was."""
+        if self._last_sent is None or give_way():
+            return False
+        at, sessions, due = self._last_sent
+        with self._tracker.rehearsed(self._sightings_table) as world:
+            if world is None or give_way():
+                return False
+            batch = self._encoder.write(world, sessions, due, self._clock.now())
+        if give_way():
+            return False
+        self.server.rehearse_batch(at, batch)
+        return True
+
     def publish_if_due(self) -> None:
         """Twice a second: end silent sessions, and report how the clients are served."""
         now = self._clock.now()
@@ -125,6 +145,7 @@ class ServeTask:
     def _send(self, world: WorldTable, grabbed_at: Instant) -> SendSummary:
         """Send the views of a world to the clients that are due."""
         sessions, due = self.server.due(grabbed_at)
+        self._last_sent = grabbed_at, sessions, due
         return self.server.send_batch(grabbed_at, self._encoder.write(world, sessions, due, self._clock.now()))
 
     def _write_records(self, world: WorldTable, grabbed_at: Instant) -> None:

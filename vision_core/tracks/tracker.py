@@ -1,9 +1,13 @@
 """The tracker, and the two kernels that are the whole stage."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 
 from vision_core.clock import Instant
 from vision_core.native.kernels import kernel
+from vision_core.native.rewind import Rewind
 from vision_core.settings.schema import RobotSettings, TrackSettings
 from vision_core.tracks.ball_tracks import update_ball, write_ball
 from vision_core.tracks.obstacle_tracks import update_obstacles, write_obstacles
@@ -29,6 +33,9 @@ class Tracker:
         self._obstacles: Table = np.zeros(MAX_OBSTACLES, dtype=OBSTACLE)
         self._obstacles_at = NEVER
         self._world = WorldTable()
+        self._rewind = Rewind([self._state])
+        self._frame: tuple[int, int] = 0, NEVER
+        """How many obstacles the last frame had, and when they were seen."""
 
     def configure(self, settings: TrackSettings, robots: RobotSettings) -> None:
         """Go on with other settings from the next frame on; tracks stay."""
@@ -58,6 +65,21 @@ class Tracker:
             if at != self._obstacles_at:
                 self._obstacles[:count] = obstacles[:count]
                 self._obstacles_at = at
+        self._frame = count, at
+        self._rewind.keep()
+        return self._update(sightings)
+
+    @contextmanager
+    def rehearsed(self, sightings: SightingsTable) -> Iterator[WorldTable | None]:
+        """The world of the last frame, made once more from the state before it. Afterwards all is as it was.
+
+        sightings: those of the last frame. None: there was no frame yet.
+        """
+        with self._rewind.rewound() as was_run:
+            yield self._update(sightings) if was_run else None
+
+    def _update(self, sightings: SightingsTable) -> WorldTable:
+        count, at = self._frame
         update_tracks(self._parameters, self._state, sightings.whole, self._obstacles, count, at, self._world.whole)
         return self._world
 

@@ -1,9 +1,9 @@
 """How each task of the task table runs, and how it is overridden."""
 
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
-from msgspec.structs import asdict
+from msgspec.structs import asdict as struct_dict
 from pydantic import ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -27,6 +27,8 @@ class Override(Report):
     """Shortest time between two runs [ms]; 0: a run each time that its trigger is written."""
     priority: int | None = Field(default=None, ge=0, le=HIGHEST_PRIORITY)
     """SCHED_FIFO priority; 0: an ordinary process."""
+    rehearse: bool | None = None
+    """Repeat the last run shortly before the next, for warm caches, if the task can."""
 
     @model_validator(mode="before")
     @classmethod
@@ -39,7 +41,19 @@ class Override(Report):
     @staticmethod
     def of(override: TaskOverride) -> "Override":
         """The report of an override."""
-        return Override(enabled=override.enabled, period_ms=override.period_ms, priority=override.priority)
+        return Override(**asdict(override))
+
+
+class RehearsalReport(Report):
+    """How often a task has repeated its last run shortly before the next one, so that this finds warm caches."""
+
+    rehearsed: int
+    cut_short: int
+    """Gave way to a release."""
+    skipped: int
+    """Releases before which there was no time for one."""
+    spent_s: float
+    """In rehearsals, and in watching for the release after them [s]."""
 
 
 class TaskReport(Report):
@@ -58,6 +72,8 @@ class TaskReport(Report):
     """Shift of its runs on the common time grid [ms]."""
     priority: int
     """SCHED_FIFO priority that it asks for; 0: an ordinary process."""
+    rehearse: bool
+    """It may rehearse its next run, if it can."""
     budget_ms: float
     """A run that takes longer counts as an overrun [ms]; 0: none is counted."""
     policy: str | None = None
@@ -81,6 +97,8 @@ class TaskReport(Report):
     """Between the beginnings of two runs, over the last 256 runs [ms]."""
     interval_sd_ms: float | None = None
     """Standard deviation of these intervals [ms]: the jitter."""
+    rehearsals: RehearsalReport | None = None
+    """null: the task has no rehearsal."""
     note: str = ""
     """What the task reports in words: an error, or what it waits for."""
     age_s: float | None = None
@@ -104,6 +122,8 @@ def task_from(snapshot: ServiceSnapshot, name: str) -> TaskReport:
             name=name, process=line.process, trigger=line.trigger, proposed=proposed, **_times(line.times)
         )
     reported = {key: getattr(timed.value, key) for key in REPORTED}
+    rehearsals = timed.value.rehearsals
+    reported["rehearsals"] = RehearsalReport(**asdict(rehearsals)) if rehearsals else None
     return TaskReport(
         name=name,
         age_s=timed.age_s,
@@ -121,4 +141,4 @@ def tasks_from(snapshot: ServiceSnapshot) -> list[TaskReport]:
 
 
 def _times(times: TaskTimes) -> dict[str, Any]:
-    return {name: value for name, value in asdict(times).items() if name in TaskReport.model_fields}
+    return {name: value for name, value in struct_dict(times).items() if name in TaskReport.model_fields}

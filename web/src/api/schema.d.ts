@@ -4352,6 +4352,11 @@ export interface components {
              * @description SCHED_FIFO priority; 0: an ordinary process.
              */
             priority?: number | null;
+            /**
+             * Rehearse
+             * @description Repeat the last run shortly before the next, for warm caches, if the task can.
+             */
+            rehearse?: boolean | null;
         };
         /**
          * PaintReport
@@ -4711,6 +4716,29 @@ export interface components {
              * @description An address or a subnet.
              */
             address: string;
+        };
+        /**
+         * RehearsalReport
+         * @description How often a task has repeated its last run shortly before the next one, so that this finds warm caches.
+         */
+        RehearsalReport: {
+            /**
+             * Cut Short
+             * @description Gave way to a release.
+             */
+            cut_short: number;
+            /** Rehearsed */
+            rehearsed: number;
+            /**
+             * Skipped
+             * @description Releases before which there was no time for one.
+             */
+            skipped: number;
+            /**
+             * Spent S
+             * @description In rehearsals, and in watching for the release after them [s].
+             */
+            spent_s: number;
         };
         /**
          * RestartReport
@@ -5278,6 +5306,13 @@ export interface components {
              * @description Why it was granted less than it asked for; empty when it was granted all.
              */
             refused?: string | null;
+            /** @description null: the task has no rehearsal. */
+            rehearsals?: components["schemas"]["RehearsalReport"] | null;
+            /**
+             * Rehearse
+             * @description It may rehearse its next run, if it can.
+             */
+            rehearse: boolean;
             /** Response Max Ms */
             response_max_ms?: number | null;
             /**

@@ -11,7 +11,7 @@ from tests.app.fake_tasks import Condition
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import TaskOverride
 
-NOTHING = {"enabled": None, "period_ms": None, "priority": None}
+NOTHING = {"enabled": None, "period_ms": None, "priority": None, "rehearse": None}
 TASKS = "/api/v1/tasks"
 
 
@@ -80,7 +80,7 @@ def test_a_change_is_written_down_and_tells_how_to_undo_it(http: httpx.Client, s
     assert slower.json()["task"]["proposed"] == NOTHING | {"period_ms": 250.0}
     off = http.patch(f"{TASKS}/obstacles", json={"enabled": False, "priority": 0}).json()
     assert off["before"] == NOTHING | {"period_ms": 250.0}
-    assert off["task"]["proposed"] == {"enabled": False, "period_ms": 250.0, "priority": 0}, "others stay"
+    assert off["task"]["proposed"] == NOTHING | {"enabled": False, "period_ms": 250.0, "priority": 0}, "others stay"
     assert proposed(service) == {"obstacles": TaskOverride(enabled=False, period_ms=250.0, priority=0)}
     wait_for(lambda: task_of(http, "obstacles")["enabled"] is False)
     undone = http.patch(f"{TASKS}/obstacles", json=off["before"]).json()
@@ -127,7 +127,7 @@ def test_a_web_process_that_was_started_again_goes_on(http: httpx.Client, servic
 @pytest.mark.parametrize(
     ("name", "wish", "found", "accepted"),
     [
-        ("obstacles", {"speed": 2}, '{"speed": 2}', "enabled, period_ms, priority; not speed"),
+        ("obstacles", {"speed": 2}, '{"speed": 2}', "enabled, period_ms, priority, rehearse; not speed"),
         ("obstacles", {"priority": 91}, "91", "less than or equal to 90"),
         ("obstacles", {"priority": -1}, "-1", "greater than or equal to 0"),
         ("obstacles", {"priority": 4.5}, "4.5", "a valid integer"),
