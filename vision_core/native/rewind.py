@@ -6,12 +6,15 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
+from vision_core.geometry import Bytes
+
 
 class Rewind:
     """Arrays that a run changes, and what they held before the last run."""
 
     def __init__(self, arrays: Sequence[NDArray[np.generic]]) -> None:
-        self._arrays = tuple(arrays)
+        """arrays: each in one piece of memory."""
+        self._arrays = tuple(array.reshape(-1).view(np.uint8) for array in arrays)  # copied without temporary memory
         self._before = tuple(np.zeros_like(array) for array in self._arrays)
         self._after = tuple(np.zeros_like(array) for array in self._arrays)
         self._is_kept = False
@@ -35,6 +38,6 @@ class Rewind:
             _copy(self._after, self._arrays)
 
 
-def _copy(source: Sequence[NDArray[np.generic]], target: Sequence[NDArray[np.generic]]) -> None:
+def _copy(source: Sequence[Bytes], target: Sequence[Bytes]) -> None:
     for one, other in zip(source, target, strict=True):
         np.copyto(other, one)
