@@ -131,24 +131,25 @@ def _mirror_reply(words: Sequence[str | Form]) -> MirrorReply | None:
 
 def _facts(pairs: Sequence[str | Form]) -> SessionFacts | None:
     """The facts of an answer to init; None when one is missing, as in the answers of version 1."""
-    words = {str(pair[0]): pair[1:] for pair in pairs if isinstance(pair, tuple) and pair}
+    words, server = _by_name(pairs), _monitor_facts(pairs)
     try:
         mirror = mirror_from_words(words["mirror"])
-        numbers = {name: [_real(word) for word in words[name]] for name in ("lease", "period", "rmin", "rmax", "fov")}
-        (lease_s,), (period_ms,), (rmin_mm,), (rmax_mm,) = (numbers[n] for n in ("lease", "period", "rmin", "rmax"))
-        fov_deg, center_deg = numbers["fov"]
-        (version,), (session,), (clock_ns,) = (map(_long, words[name]) for name in ("version", "session", "clock"))
-        length_mm, width_mm = map(_real, words["field"])
-        texts = [str(words[name][0]) for name in ("types", "boot", "venue")]
-        if mirror is None:
+        if mirror is None or server is None:
             return None
+        (session,) = map(_long, words["session"])
+        (rmin_mm,), (rmax_mm,), (fov_deg, center_deg) = (map(_real, words[name]) for name in ("rmin", "rmax", "fov"))
         return SessionFacts(
-            version, session, lease_s, period_ms, mirror, rmin_mm, rmax_mm, fov_deg, center_deg,
-            _real(words["resolution"][0]), texts[0], clock_ns, texts[1], texts[2], (length_mm, width_mm),
-            _drive_limits(words["drive"]) if "drive" in words else None,
+            server.version, session, server.lease_s, server.period_ms, mirror, rmin_mm, rmax_mm, fov_deg, center_deg,
+            _real(words["resolution"][0]), str(words["types"][0]), server.clock_ns, server.boot, server.venue,
+            server.field_mm, _drive_limits(words["drive"]) if "drive" in words else None,
         )  # fmt: skip
     except (KeyError, ValueError, IndexError):
         return None
+
+
+def _by_name(pairs: Sequence[str | Form]) -> dict[str, Form]:
+    """The words of each pair, by its name."""
+    return {str(pair[0]): pair[1:] for pair in pairs if isinstance(pair, tuple) and pair}
 
 
 def _monitor_reply(words: Sequence[str | Form]) -> MonitorReply | None:
@@ -157,8 +158,8 @@ def _monitor_reply(words: Sequence[str | Form]) -> MonitorReply | None:
 
 
 def _monitor_facts(pairs: Sequence[str | Form]) -> MonitorFacts | None:
-    """The facts of an answer to dispinit; None when one is missing."""
-    words = {str(pair[0]): pair[1:] for pair in pairs if isinstance(pair, tuple) and pair}
+    """The facts of an answer to dispinit, which an answer to init has as well; None when one is missing."""
+    words = _by_name(pairs)
     try:
         (version,), (clock_ns,) = (map(_long, words[name]) for name in ("version", "clock"))
         (lease_s,), (period_ms,) = (map(_real, words[name]) for name in ("lease", "period"))

@@ -148,7 +148,6 @@ def _drive_words(drive: Drive) -> tuple[str, ...]:
 
 
 def _pairs(facts: SessionFacts) -> tuple[str, ...]:
-    length_mm, width_mm = facts.field_mm
     return (
         f"(version {facts.version})",
         f"(session {facts.session})",
@@ -160,20 +159,24 @@ def _pairs(facts: SessionFacts) -> tuple[str, ...]:
         f"(fov {facts.fov_deg:g} {facts.center_deg:g})",
         f"(resolution {facts.resolution_deg:g})",
         f"(types {facts.types})",
-        f"(clock {facts.clock_ns})",
-        f"(boot {facts.boot})",
-        f"(venue {facts.venue})",
-        f"(field {length_mm:g} {width_mm:g})",
+        *_server_pairs(facts),
         *((f"(drive {' '.join(f'{limit:g}' for limit in facts.drive)})",) if facts.drive else ()),
     )
 
 
 def _monitor_pairs(facts: MonitorFacts) -> tuple[str, ...]:
-    length_mm, width_mm = facts.field_mm
     return (
         f"(version {facts.version})",
         f"(lease {facts.lease_s:g})",
         f"(period {facts.period_ms:g})",
+        *_server_pairs(facts),
+    )
+
+
+def _server_pairs(facts: SessionFacts | MonitorFacts) -> tuple[str, ...]:
+    """What every client is told of the server itself."""
+    length_mm, width_mm = facts.field_mm
+    return (
         f"(clock {facts.clock_ns})",
         f"(boot {facts.boot})",
         f"(venue {facts.venue})",
