@@ -143,6 +143,7 @@ class DeliveryTable:
         """seed: of the order of sending; None: the system draws it."""
         self._boot = boot
         self.fairness = FairnessRecord(boot, seed)
+        self._rehearsed_fairness = np.zeros_like(self.fairness.table)
         self.replace(new_rows(0))
 
     def replace(self, rows: Table) -> None:
@@ -152,7 +153,9 @@ class DeliveryTable:
         self._due = np.zeros(count, dtype=np.uint8)
         self._buffers = SendBuffers(np.zeros(count, dtype=np.int64), self.fairness.table, np.zeros(2, dtype=np.int64))
         self._rehearsed_rows = rows.copy()
-        self._rehearsal = SendBuffers(*(np.zeros_like(memory) for memory in self._buffers))
+        self._rehearsal = SendBuffers(
+            np.zeros(count, dtype=np.int64), self._rehearsed_fairness, np.zeros(2, dtype=np.int64)
+        )
 
     def address(self, row: int, robot: int, descriptor: int, options: Options) -> None:
         """Set whose a row is, where its datagrams go and how often. robot: by ``types.fairness.robot_index``."""
@@ -175,7 +178,7 @@ class DeliveryTable:
         np.copyto(self._rehearsed_rows, self.rows)
         self._rehearsed_rows["descriptor"] = descriptor
         for name in ("seed", "boot"):  # of the order of sending
-            self._rehearsal.fairness[name] = self.fairness.table[name]
+            self._rehearsed_fairness[name] = self.fairness.table[name]
         send_all(self._rehearsed_rows, at, batch.text, batch.starts, batch.lengths, self._rehearsal)
 
     @property
