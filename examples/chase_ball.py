@@ -11,7 +11,8 @@ import sys
 
 import numpy as np
 
-from vision_core.client import Drive, Options, Robot, View, connect
+from vision_core.client import Drive, Options, Robot, View
+from vision_core.client.play.one_robot import drive_robot
 
 GOALS = {"blue": "v", "yellow": "u"}
 """The goal that each team attacks."""
@@ -97,19 +98,5 @@ def middle(points: np.ndarray) -> tuple[float, float] | None:
     return (float(points[:, 0].mean()), float(points[:, 1].mean())) if len(points) else None
 
 
-def main(
-    team: str = "blue", number: str = "3", host: str = "127.0.0.1", port: str = "6000", views: str = "300"
-) -> None:
-    """Drive one robot."""
-    with connect(host, int(port), team, int(number), options=ChaseBall.options) as connection:
-        controller = ChaseBall(connection.robot)
-        for count, view in enumerate(connection, start=1):
-            drive = controller.decide(view)
-            connection.follow(drive)
-            print(f"{view.time_s:.3f} s: {view.summary} -> {drive.vx_m_s:+.2f} {drive.vy_m_s:+.2f} m/s")
-            if count == int(views):
-                break
-
-
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    drive_robot(ChaseBall, *sys.argv[1:])

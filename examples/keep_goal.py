@@ -9,7 +9,8 @@ import sys
 
 import numpy as np
 
-from vision_core.client import Drive, Options, Robot, View, connect
+from vision_core.client import Drive, Options, Robot, View
+from vision_core.client.play.one_robot import drive_robot
 
 GOALS = {"blue": "u", "yellow": "v"}
 """The goal that each team defends."""
@@ -54,19 +55,5 @@ class KeepGoal:
         return Drive(drive.vx_m_s, drive.vy_m_s, drive.turn_rad_s, self._robot.limits.kick_m_s * 0.8 if aims else 0.0)
 
 
-def main(
-    team: str = "blue", number: str = "1", host: str = "127.0.0.1", port: str = "6000", views: str = "300"
-) -> None:
-    """Drive one robot."""
-    with connect(host, int(port), team, int(number), options=KeepGoal.options) as connection:
-        controller = KeepGoal(connection.robot)
-        for count, view in enumerate(connection, start=1):
-            drive = controller.decide(view)
-            connection.follow(drive)
-            print(f"{view.time_s:.3f} s: {view.summary} -> {drive.vx_m_s:+.2f} {drive.vy_m_s:+.2f} m/s")
-            if count == int(views):
-                break
-
-
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    drive_robot(KeepGoal, *(sys.argv[1:] or ["blue", "1"]))
