@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.client.fake import ScriptedServer
-from tests.net.serving import Stadium, running
+from tests.net.serving import Stadium, playing
 from vision_core.client.camera import (
     CAP_PROP_FPS,
     CAP_PROP_FRAME_HEIGHT,
@@ -23,10 +23,8 @@ HOST = "127.0.0.1"
 
 @pytest.fixture(scope="module")
 def stadium() -> Iterator[Stadium]:
-    opened = Stadium()
-    with running(opened):
+    with playing(Stadium()) as opened:
         yield opened
-    opened.close()
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.client.fake import ScriptedServer
-from tests.net.serving import Stadium, running
+from tests.net.serving import Stadium, playing
 from vision_core.client import __main__ as command_module
 from vision_core.client.__main__ import main
 from vision_core.client.panorama import draw_panorama
@@ -40,10 +40,8 @@ sys.exit(main())
 
 @pytest.fixture(scope="module")
 def stadium() -> Iterator[Stadium]:
-    opened = Stadium()
-    with running(opened):
+    with playing(Stadium()) as opened:
         yield opened
-    opened.close()
 
 
 def arguments(stadium: Stadium, *more: str) -> list[str]:

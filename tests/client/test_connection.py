@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.client.fake import ScriptedServer
-from tests.net.serving import Stadium, running
+from tests.net.serving import Stadium, playing, running
 from tests.protocol.samples import rules
 from vision_core.client import Options, connect
 from vision_core.client.connection import RESTART_S, SILENCE_S
@@ -44,10 +44,8 @@ def granting(*then: bytes) -> ScriptedServer:
 
 @pytest.fixture(scope="module")
 def stadium() -> Iterator[Stadium]:
-    opened = Stadium()
-    with running(opened):
+    with playing(Stadium()) as opened:
         yield opened
-    opened.close()
 
 
 def see(time_s: float) -> bytes:

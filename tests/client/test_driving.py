@@ -7,7 +7,7 @@ import pytest
 
 from tests.client.arena import LIMITS, Arena
 from tests.client.fake import ScriptedServer
-from tests.net.serving import running
+from tests.net.serving import playing
 from vision_core.client import Drive, DriveLimits, Robot, connect
 from vision_core.errors import ConnectionRefused
 from vision_core.types.objects import Team
@@ -18,10 +18,8 @@ MIRROR = b"(mirror 4.0187 0.0125935 90000.0)"
 
 @pytest.fixture
 def arena() -> Iterator[Arena]:
-    opened = Arena()
-    with running(opened):
+    with playing(Arena()) as opened:
         yield opened
-    opened.close()
 
 
 def test_the_server_hears_what_the_robot_is_told(arena: Arena) -> None:

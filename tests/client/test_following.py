@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.client.test_connection import HOST, wait_until
-from tests.net.serving import Stadium, running
+from tests.net.serving import Stadium, playing
 from vision_core.client import View, connect
 from vision_core.errors import ConnectionRefused
 from vision_core.protocol.options import Options
@@ -16,10 +16,8 @@ from vision_core.protocol.options import Options
 
 @pytest.fixture
 def stadium() -> Iterator[Stadium]:
-    made = Stadium()
-    with running(made):
+    with playing(Stadium()) as made:
         yield made
-    made.close()
 
 
 class ControllerError(Exception):

@@ -6,6 +6,7 @@ import socket
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 from tests.protocol.samples import CODES, rules, simple_view
 from vision_core.clock import Instant, MonotonicClock
@@ -128,6 +129,9 @@ class Stadium:
             self.send_frame()
 
 
+Playing = TypeVar("Playing", bound=Stadium)
+
+
 @contextlib.contextmanager
 def running(stadium: Stadium) -> Iterator[Stadium]:
     """A stadium that serves frames in a thread of its own."""
@@ -139,6 +143,13 @@ def running(stadium: Stadium) -> Iterator[Stadium]:
     finally:
         stop.set()
         thread.join()
+
+
+@contextlib.contextmanager
+def playing(stadium: Playing) -> Iterator[Playing]:
+    """The same, and it is closed afterwards."""
+    with contextlib.closing(stadium), running(stadium):
+        yield stadium
 
 
 @contextlib.contextmanager

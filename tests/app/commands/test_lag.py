@@ -8,17 +8,15 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import app
-from tests.net.serving import Stadium, running
+from tests.net.serving import Stadium, playing
 from vision_core.errors import PslvError
 from vision_core.native.opencv import read_picture
 
 
 @pytest.fixture
 def stadium() -> Iterator[Stadium]:
-    made = Stadium()
-    with running(made):
+    with playing(Stadium()) as made:
         yield made
-    made.close()
 
 
 def asked(stadium: Stadium, *options: str) -> list[str]:

@@ -10,16 +10,14 @@ from typer.testing import CliRunner
 from app.cli import app
 from tests.client.arena import Arena
 from tests.client.play.service_page import served
-from tests.net.serving import running
+from tests.net.serving import playing
 from vision_core.errors import PslvError
 
 
 @pytest.fixture
 def arena() -> Iterator[Arena]:
-    opened = Arena()
-    with running(opened):
+    with playing(Arena()) as opened:
         yield opened
-    opened.close()
 
 
 def test_a_match_is_played_told_and_drawn(arena: Arena, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from tests.client.arena import Arena
 from tests.client.play.service_page import ServicePage, served
-from tests.net.serving import running
+from tests.net.serving import playing
 from vision_core.client import Drive, Robot, View
 from vision_core.client.play.chart import chart
 from vision_core.client.play.game import Page, Score
@@ -40,10 +40,8 @@ def page() -> Iterator[Page]:
 
 @pytest.fixture
 def arena() -> Iterator[Arena]:
-    opened = Arena()
-    with running(opened):
+    with playing(Arena()) as opened:
         yield opened
-    opened.close()
 
 
 def test_players_see_drive_and_are_counted(arena: Arena, page: Page) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import httpx
 import pytest
 
-from tests.app.fake_service import FakeService, Scene, asked_by_operator
+from tests.app.fake_service import FakeService
 from vision_core.models.mirror import PAPER_MIRROR
 from vision_core.rtdb import records
 
@@ -14,23 +14,12 @@ MIRROR = {"a": 4.2, "b": 0.0131, "c": 91000.0}
 OTHER = {"a": 4.4, "b": 0.0138, "c": 90000.0}
 
 
-@pytest.fixture(scope="module")
-def service() -> FakeService:
-    return FakeService(Scene())
-
-
-@pytest.fixture(scope="module")
-def client(service: FakeService) -> Iterator[httpx.Client]:
-    with asked_by_operator(service) as client:
-        yield client
-
-
 @pytest.fixture
-def http(client: httpx.Client) -> Iterator[httpx.Client]:
-    yield client
-    client.patch("/match", json={"mode": "practice"})
+def http(operator: httpx.Client) -> Iterator[httpx.Client]:
+    yield operator
+    operator.patch("/match", json={"mode": "practice"})
     for scope in ("blue/3", "yellow/1", "blue", "yellow", "field"):
-        assert client.delete(f"/mirrors/{scope}").status_code == 200
+        assert operator.delete(f"/mirrors/{scope}").status_code == 200
 
 
 def live(service: FakeService) -> Any:
