@@ -115,8 +115,8 @@ def _settings(size: int) -> Settings:
 def _world(rng: np.random.Generator, settings: Settings, size: int) -> World:
     half = settings.field.length_m / 2.0, settings.field.width_m / 2.0
     robots = []
-    for team, ids in ((Team.BLUE, settings.match.blue_ids), (Team.YELLOW, settings.match.yellow_ids)):
-        for marker in ids[:size]:
+    for team in Team:
+        for marker in settings.match.ids_of(team)[:size]:
             x, y, heading = rng.uniform(-half[0], half[0]), rng.uniform(-half[1], half[1]), rng.uniform(-3.1, 3.1)
             robots.append(RobotTrack(team, marker, x, y, heading, 0.0, 0.0, 0.0, 1e-4, 1e-3, 1.0, BOOT))
     ball = BallTrack(rng.uniform(-half[0], half[0]), rng.uniform(-half[1], half[1]), 0.0, 0.0, 1e-4, False, BOOT)

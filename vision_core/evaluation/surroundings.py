@@ -35,7 +35,7 @@ def surroundings_in(file: Path, settings: Settings, team: Team, number: int) -> 
     pixels = read_picture(file, camera.size_px)
     seen = perception.perceive_still(ImageFrame(camera.name, 1, AT, pixels), MonotonicClock()).record()
     obstacles = finder_from(settings, camera).find(pixels, seen.robots, seen.balls)
-    ids = (settings.match.blue_ids if team is Team.BLUE else settings.match.yellow_ids)[: settings.match.numbers]
+    ids = settings.match.ids_of(team)[: settings.match.numbers]
     own = [one for one in seen.robots if one.team is team and 1 <= number <= len(ids) and one.id == ids[number - 1]]
     if not own or own[0].heading_rad is None:
         shown = ", ".join(f"{one.team} {'?' if one.id is None else one.id}" for one in seen.robots)

@@ -108,7 +108,7 @@ class OnboardCamera:
 def _row_of(settings: Settings, robot: tuple[Team, int], worn: tuple[tuple[Team, int], ...]) -> int:
     """The row of a robot in snapshots."""
     team, number = robot
-    ids = settings.match.blue_ids if team is Team.BLUE else settings.match.yellow_ids
+    ids = settings.match.ids_of(team)
     if not 1 <= number <= len(ids) or (team, ids[number - 1]) not in worn:
         playing = [f"{name}:{1 + place}" for name in Team for place in range(sum(other is name for other, _ in worn))]
         raise SettingsError(

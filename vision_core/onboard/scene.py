@@ -180,7 +180,7 @@ def _own_body(prism: Prism, shape: MirrorShape) -> tuple[Prism, Prism]:
 
 def _kind_of(settings: Settings, team: Team, marker: int) -> int:
     """EdgeKind code of a robot."""
-    ids = settings.match.blue_ids if team is Team.BLUE else settings.match.yellow_ids
+    ids = settings.match.ids_of(team)
     return FIRST_KIND[team] + (ids.index(marker) + 1 if marker in ids else 0)
 
 

@@ -19,7 +19,7 @@ def match_warnings(settings: Settings, place_of: Callable[[str], str]) -> Iterat
         known = sorted(number for pattern in patterns for number in pattern.code_by_id)
         names = " and ".join(repr(pattern.name) for pattern in patterns)
         has = f"pattern {names} of team {team} has {_listed(known)}"
-        ids = settings.match.blue_ids if team is Team.BLUE else settings.match.yellow_ids
+        ids = settings.match.ids_of(team)
         if numbers > len(known):
             yield f"{place_of('match.numbers')}: match.numbers is {numbers}, but {has} alone"
         elif foreign := [marker_id for marker_id in ids[:numbers] if marker_id not in known]:

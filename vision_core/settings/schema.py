@@ -471,6 +471,10 @@ class MatchSettings(Record, frozen=True):
     ]
     views: MatchViews
 
+    def ids_of(self, team: str) -> tuple[int, ...]:
+        """Marker ids of a team's robots 1, 2, ...; team: blue or yellow."""
+        return self.blue_ids if team == "blue" else self.yellow_ids
+
     @property
     def fixes_views(self) -> bool:
         """All robots see alike: through one mirror, and with the options of ``views``."""

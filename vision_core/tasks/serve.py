@@ -218,8 +218,8 @@ class _ObstacleReader:
 def _numbers(settings: Settings) -> dict[tuple[Team, int | None], int]:
     """The number of each robot that may have one, by team and marker id."""
     match = settings.match
-    ids = {Team.BLUE: match.blue_ids, Team.YELLOW: match.yellow_ids}
-    return {(team, ids[team][number - 1]): number for team in Team for number in range(1, match.numbers + 1)}
+    worn = {team: match.ids_of(team)[: match.numbers] for team in Team}
+    return {(team, marker): number for team in Team for number, marker in enumerate(worn[team], start=1)}
 
 
 def _restored_server(handle: Handle, book: RuleBook) -> UdpServer:

@@ -205,9 +205,9 @@ def static_scene_from(settings: Settings) -> StaticScene:
     shapes = [robots_of(settings.robots, team) for team in TEAMS]
     kinds = np.empty((len(TEAMS), 257), dtype=np.uint8)
     viewers = np.full((len(TEAMS), 256), -1)
-    for team, ids in ((Team.BLUE, match.blue_ids), (Team.YELLOW, match.yellow_ids)):
+    for team in TEAMS:
         kinds[TEAM_NUMBER[team]] = FIRST_KIND[team]
-        for number, marker in enumerate(ids[:MAX_NUMBERS], start=1):
+        for number, marker in enumerate(match.ids_of(team)[:MAX_NUMBERS], start=1):
             kinds[TEAM_NUMBER[team], marker + 1] = FIRST_KIND[team] + number
             if number <= match.numbers:
                 viewers[TEAM_NUMBER[team], marker] = viewer_index(team, number)

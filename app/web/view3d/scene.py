@@ -102,8 +102,7 @@ class Scene:
 
 def _by_number(robots: tuple[RobotTrack, ...], match: MatchSettings) -> dict[Robot, RobotTrack]:
     """The robots that clients can have, by team and number."""
-    ids = {Team.BLUE: match.blue_ids, Team.YELLOW: match.yellow_ids}
-    numbers = {(team, marker): number for team in Team for number, marker in enumerate(ids[team], start=1)}
+    numbers = {(team, marker): number for team in Team for number, marker in enumerate(match.ids_of(team), start=1)}
     return {
         (robot.team, numbers[robot.team, robot.id]): robot
         for robot in robots

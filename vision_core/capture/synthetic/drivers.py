@@ -33,9 +33,9 @@ class DriverDesk:
 
     def take(self, drives: Drives, match: MatchSettings, now: Instant) -> None:
         """Follow the newest commands; a robot without one is driven by nobody. match: who wears which marker."""
-        ids = {Team.BLUE: match.blue_ids, Team.YELLOW: match.yellow_ids}
         for robot, (team, worn) in enumerate(self._worn):
-            number = ids[team].index(worn) + 1 if worn in ids[team] else 0
+            ids = match.ids_of(team)
+            number = ids.index(worn) + 1 if worn in ids else 0
             row = drives[TEAM_NUMBER[team], number - 1] if 0 < number <= drives.shape[1] else None
             if row is None or not row["at"]:
                 self._release(robot)

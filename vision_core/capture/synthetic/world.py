@@ -200,8 +200,8 @@ def _disc_radius_m(robots: RobotSettings) -> float:
 
 def _markers_worn(settings: Settings) -> tuple[tuple[Team, int], ...]:
     """Team and marker id of each robot: the first ids of the match."""
-    ids = {Team.BLUE: settings.match.blue_ids, Team.YELLOW: settings.match.yellow_ids}
-    return tuple((team, worn) for team in Team for worn in ids[team][: settings.synthetic.robots_per_team])
+    count = settings.synthetic.robots_per_team
+    return tuple((team, worn) for team in Team for worn in settings.match.ids_of(team)[:count])
 
 
 def _attack_signs(blue_defends: str) -> dict[Team, float]:

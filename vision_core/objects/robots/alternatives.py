@@ -65,8 +65,7 @@ def mirror_reason(scene: Scene, robots: Table, settings: Settings) -> Reason | N
 
 def _ids_of(settings: Settings, team: int) -> tuple[int, ...]:
     """The marker ids of the robots that may connect for a team."""
-    ids = (settings.match.blue_ids, settings.match.yellow_ids)[team]
-    return tuple(ids[: settings.match.numbers])
+    return settings.match.ids_of(TEAMS[team])[: settings.match.numbers]
 
 
 def better_pattern(scene: Scene, robots: Table, settings: Settings, is_over: Callable[[], bool]) -> list[Reason]:
