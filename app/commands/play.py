@@ -1,6 +1,7 @@
 """``pslv play``: programs play against each other in a simulated venue, each seeing only its robot's views."""
 
 import contextlib
+import os
 import signal
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from app.commands.progress import print_line
-from vision_core.errors import ServiceError
+from vision_core.errors import ServiceError, SourceError
 
 if TYPE_CHECKING:
     from vision_core.client.play.game import Page
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 READY_S = 1800.0
 """A first start compiles for minutes."""
 PERCENT = 100.0
+WRITABLE = "a file in a folder that may be written"
 
 
 def play(
@@ -53,6 +55,7 @@ def play(
     from vision_core.client.play.players import Player, Server
     from vision_core.types.objects import Team
 
+    _check_folder(out)
     kinds = {Team.BLUE: load_controller(controller), Team.YELLOW: load_controller(yellow or controller)}
     keeps = load_controller(keeper) if keeper != "none" and robots > 1 else None
     address = page or f"http://{host}:8000"
@@ -112,8 +115,18 @@ def _report(match: "Match", out: Path, title: str) -> None:
         f" possession {share:.0f} % : {PERCENT - share:.0f} %; {final.collisions_per_minute:.1f} collisions a minute\n"
         f"the programs use {match.controllers_cpu_s / match.duration_s:.2f} processors{service}"
     )
-    out.write_text(chart(title, match.scores), encoding="utf-8")
+    try:
+        out.write_text(chart(title, match.scores), encoding="utf-8")
+    except OSError as error:
+        raise SourceError(f"picture {out}", found=error.strerror or str(error), accepted=WRITABLE) from None
     console.print(f"picture: {out}")
+
+
+def _check_folder(out: Path) -> None:
+    """Can the picture be written when the match is over? Raises SourceError."""
+    if not os.access(out.parent, os.W_OK) or out.is_dir():
+        found = "it is a folder" if out.is_dir() else f"{out.parent} is no folder that may be written"
+        raise SourceError(f"picture {out}", found=found, accepted=WRITABLE)
 
 
 @contextlib.contextmanager

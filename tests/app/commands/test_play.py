@@ -41,6 +41,8 @@ def test_a_match_is_played_told_and_drawn(arena: Arena, tmp_path: Path) -> None:
     [
         (["--controller", "no_such:Team"], "controller no_such:Team; found: No module named 'no_such'"),
         (["--port", "9", "--robots", "1"], "nothing answered at 127.0.0.1:9"),
+        (["--out", "no-such-folder/match.svg"], "picture no-such-folder/match.svg; found: no-such-folder is no folder"),
+        (["--out", "."], r"picture \.; found: it is a folder"),
     ],
 )
 def test_what_is_wrong_is_said(words: list[str], reason: str, monkeypatch: pytest.MonkeyPatch) -> None:
