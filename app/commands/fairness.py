@@ -100,17 +100,17 @@ def _write(report: "FairnessReport", json: File, html: File, picture: File) -> N
     """Write the files that are asked for. Raises SourceError."""
     from app.web.fairness.page import html_of
     from app.web.fairness.picture import draw_fairness
-    from vision_core.native.opencv import encode_png
+    from vision_core.native.opencv import write_picture
 
     try:
         if json is not None:
             json.write_text(report.model_dump_json(indent=1), encoding="utf-8")
         if html is not None:
             html.write_text(html_of(report), encoding="utf-8")
-        if picture is not None:
-            picture.write_bytes(encode_png(draw_fairness(report)))
     except OSError as error:
         raise SourceError(f"file {error.filename}", found=error.strerror or str(error)) from None
+    if picture is not None:
+        write_picture(picture, draw_fairness(report))
 
 
 def _begin(service: "ServiceInfo") -> None:

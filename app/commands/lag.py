@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from app.commands.options import robot_of
-from vision_core.errors import PslvError, SourceError
+from vision_core.errors import PslvError
 
 if TYPE_CHECKING:
     from vision_core.client import Connection, Lag
@@ -101,7 +101,7 @@ def _print(lags_ms: "Floats", bound_s: float) -> None:
 def _draw(path: Path, times_s: "Floats", lags_ms: "Floats", name: str) -> None:
     """Draw figure 8. Raises SourceError."""
     from app.web.charts.layers import Layer, draw_layers
-    from vision_core.native.opencv import encode_png
+    from vision_core.native.opencv import write_picture
 
     medians = np.median(lags_ms, axis=0)
     layers = [
@@ -109,8 +109,4 @@ def _draw(path: Path, times_s: "Floats", lags_ms: "Floats", name: str) -> None:
         for part, median, values, color in zip(PARTS[:3], medians[:3], lags_ms.T[:3], COLORS, strict=True)
     ]
     title = f"Lag of {name}: {medians[3]:.2f} ms in the median of {len(lags_ms)} views"
-    image = draw_layers(times_s - times_s[0], layers, title, ("time [s]", "lag [ms]"), SIZE_PX)
-    try:
-        path.write_bytes(encode_png(image))
-    except OSError as error:
-        raise SourceError(f"picture {path}", found=error.strerror or str(error)) from None
+    write_picture(path, draw_layers(times_s - times_s[0], layers, title, ("time [s]", "lag [ms]"), SIZE_PX))

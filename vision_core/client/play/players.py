@@ -1,5 +1,6 @@
 """One robot's player: a connection, a controller, and what is counted of both. It runs in a thread of its own."""
 
+import math
 import threading
 import time
 from dataclasses import dataclass, replace
@@ -71,7 +72,7 @@ class Player:
             self.is_connected.set()
             last_s = None
             while not stop.is_set():
-                view = connection.latest() or connection.receive(WAIT_S)
+                view = connection.newest(WAIT_S)
                 if view is not None:
                     connection.follow(controller.decide(view))
                     self._note(view, last_s, connection, began_s)
@@ -82,7 +83,7 @@ class Player:
         missed = 0
         if last_s is not None and facts is not None:
             missed = max(round((view.time_s - last_s) * MS_PER_S / facts.period_ms) - 1, 0)
-        age_s = view.age_s if view.age_s == view.age_s else 0.0
+        age_s = view.age_s if math.isfinite(view.age_s) else 0.0
         self.count = replace(
             count, views=count.views + 1, missed=count.missed + missed, age_s=count.age_s + age_s,
             cpu_s=time.thread_time() - began_s,
