@@ -4,6 +4,7 @@ import contextlib
 import socket
 from typing import NamedTuple
 
+from vision_core.client.addresses import address_of
 from vision_core.protocol.encoding import encode
 from vision_core.protocol.messages import Ping
 
@@ -21,8 +22,7 @@ class Place(NamedTuple):
 
 def place_of(host: str, port: int) -> Place:
     """The place of a host by name or address, IPv4 first. Raises OSError or UnicodeError when there is none."""
-    found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
-    family, _, _, _, address = min(found, key=lambda info: info[0] != socket.AF_INET)
+    family, address = address_of(host, port)
     return Place(family, (str(address[0]), int(address[1])))
 
 
