@@ -101,20 +101,13 @@ def joined(
     frames: list[Timestamps], received: Report, boot: int, work_us: dict[str, float], notes: list[str]
 ) -> Handover:
     """Join frames and received views by Time: a view's Time is when its frame was measured, since the boot [us]."""
-    views = {time_us: (count, last) for time_us, count, _first, last in received["views"]}
-    newest = max(views, default=0)
-    latencies, incomplete, skipped = [], 0, 0
-    for measured, written in frames:
-        time_us = (measured - boot) // NS_PER_US
-        if time_us > newest:  # still on its way when the measurement ended
-            continue
-        count, last = views.get(time_us, (0, 0))
-        if count == received["clients"]:
-            latencies.append((last - written) / NS_PER_US)
-        else:
-            incomplete, skipped = incomplete + (count > 0), skipped + (count == 0)
-    total = len(latencies) + incomplete + skipped
-    return Handover(np.array(latencies), total, incomplete, skipped, work_us, notes)
+    clients = {time_us: count for time_us, count, _first, _last in received["views"]}
+    newest = max(clients, default=0)  # later frames were still on their way when the measurement ended
+    times_us = [(measured - boot) // NS_PER_US for measured, _ in frames]
+    counts = [clients.get(time_us, 0) for time_us in times_us if time_us <= newest]
+    incomplete = sum(0 < count < received["clients"] for count in counts)
+    latencies_us = np.array([latency / NS_PER_US for _, latency in joined_latencies(frames, received, boot)])
+    return Handover(latencies_us, len(counts), incomplete, counts.count(0), work_us, notes)
 
 
 def joined_latencies(frames: list[Timestamps], received: Report, boot: int) -> list[tuple[int, int]]:

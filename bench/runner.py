@@ -21,6 +21,7 @@ BENCHMARKS = (
         "scheduling",
         "activation",
         "handover",
+        "rehearsal",
         "dashboards",
         "gc_pauses",
         "clients",

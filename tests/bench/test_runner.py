@@ -1,13 +1,18 @@
 """Results have every key; every benchmark can be imported and says what it measures."""
 
 import json
+import re
 import sys
 from importlib import import_module
+from pathlib import Path
 
 import pytest
 
+import bench
 from bench import accuracy, fidelity, runner
 from bench.__main__ import main
+
+IS_BENCHMARK = re.compile(r"^def run\([^)]*\) -> list\[Row\]", re.MULTILINE)
 
 
 def test_a_result_has_every_key(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -38,6 +43,14 @@ def test_a_number_of_worlds_reaches_only_what_counts_worlds(
 @pytest.mark.parametrize("name", runner.BENCHMARKS)
 def test_every_benchmark_can_be_run(name: str) -> None:
     assert callable(import_module(f"bench.{name}").run)
+
+
+def test_every_benchmark_is_listed() -> None:
+    """None can be written and not be run: a module whose ``run`` gives rows is one."""
+    modules = Path(bench.__file__).parent.glob("*.py")
+    assert {each.stem for each in modules if IS_BENCHMARK.search(each.read_text(encoding="utf-8"))} == set(
+        runner.BENCHMARKS
+    )
 
 
 def test_help_lists_every_benchmark_with_one_sentence(
