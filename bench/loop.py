@@ -21,7 +21,6 @@ import numpy as np
 
 from bench.accuracy import TEAMS, settings_of
 from bench.runner import Row
-from bench.segmentation import Scene as SegmentScene
 from bench.segmentation import c_reference_of
 from bench.segmenters import ReferenceSegmenter
 from vision_core.capture.source import open_source
@@ -145,8 +144,7 @@ def _client(stack: contextlib.ExitStack) -> socket.socket:
 def _measure(loop: Loop, name: str, goal: float | None) -> list[Row]:
     table = loop.perception.table
     reference = ReferenceSegmenter(*loop.perception.camera.size_px, loop.settings.blobs)
-    prefilter = loop.perception.context.prefilter
-    c_reference, _ = c_reference_of(SegmentScene(loop.settings, table, prefilter, loop.frames, [], 1))
+    c_reference, _ = c_reference_of(loop.settings, table, loop.frames)
     references: dict[str, Callable[[int], object]] = {
         "reference": lambda frame: reference.segment(loop.frames[frame], table)
     }

@@ -1,13 +1,13 @@
 """Duration of segmenting one picture into blobs, at three sizes.
 
 Distinct frames of the simulated camera with ten robots. Measured [us]: median duration of the service's row scan, over
-the whole picture and over windows around the objects with the scan band. Baselines in the same process: the reference
-segmentation, which reads every pixel; the same in C (``baselines/segmentation.c``); and a memcpy of the picture, which
-is the least that reading it costs. The methods take turns, frame by frame, each on a frame that no other has touched
-for a while, so that the caches favor none.
+the whole picture, and over windows with the scan band; the windows are those that the service's own perception places
+in these frames. Baselines in the same process: the reference segmentation, which reads every pixel; the same in C
+(``baselines/segmentation.c``); and a memcpy of the picture, which is the least that reading it costs. The methods take
+turns, frame by frame, each on a frame that no other has touched for a while, so that the caches favor none.
 
-Recall: of the reference's blobs in the windows around robots and ball that are at least as high as the smallest dot of
-a marker, the share that is found with equal class, area, center and box. 1.0 is the goal.
+Recall: of the reference's blobs on robots and ball that are at least as high as the smallest dot of a marker, the share
+that is found with equal class, area, center and box. 1.0 is the goal.
 """
 
 import ctypes
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from bench.baselines.build import load_library
 from bench.runner import Row
 from bench.segmenters import ReferenceSegmenter, RowScanSegmenter
-from vision_core.blobs.row_scan import min_height_px
+from vision_core.blobs.row_scan import LEFT, RIGHT
 from vision_core.capture.source import open_source
 from vision_core.capture.synthetic.camera import SyntheticCamera
 from vision_core.capture.synthetic.truth import Truth
@@ -32,8 +32,10 @@ from vision_core.color.prefilter import prefilter_from
 from vision_core.geometry import Bytes
 from vision_core.models.camera import CameraModel
 from vision_core.models.camera_setup import CameraSetup
+from vision_core.pipeline.perception import Perception
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
+from vision_core.types.image import ImageFrame
 from vision_core.types.prefilter import ColorPrefilter
 from vision_core.types.tables import BLOB, Table
 from vision_core.venues.loader import load_settings
@@ -41,10 +43,8 @@ from vision_core.venues.loader import load_settings
 FRAMES = 24
 ROUNDS = 8
 WARM_ROUNDS = 2
-DOT_M = 0.04
-"""Diameter of the smallest patch of the pattern."""
-WINDOW_M = 0.2
-"""Half the side of a window around a predicted robot or ball."""
+SETTLE_FRAMES = 30
+"""Perceived before the first frame that is measured: windows depend on what the frames before it show."""
 SIZES: dict[str, dict[str, Any]] = {
     f"{width}x{height}": {
         "camera.width_px": width,
@@ -76,41 +76,52 @@ class Scene:
     prefilter: ColorPrefilter
     frames: list[Bytes]
     windows: list[Boxes]
+    """Of each frame, as perception places them."""
+    objects: list[Boxes]
+    """Boxes around the robots and the ball of each frame, in which recall is counted."""
     min_px: int
+    """Height of the lowest blob that must be found, as perception has it."""
 
 
 def run() -> list[Row]:
     """Measure every size."""
     rows: list[Row] = []
     for size, options in SIZES.items():
-        rows += _measure(size, _scene(load_settings(options=options)))
+        rows += _measure(size, scene_of(load_settings(options=options)))
     return rows
 
 
-def _scene(settings: Settings) -> Scene:
-    camera = CameraSetup.from_settings(settings)
-    source = open_source(settings, camera, MonotonicClock(), paced=False)
+def scene_of(settings: Settings) -> Scene:
+    """Frames, and the windows of a perception that follows them. Raises RuntimeError when it searches a frame whole."""
+    camera, clock = CameraSetup.from_settings(settings), MonotonicClock()
+    source = open_source(settings, camera, clock, paced=False)
     assert isinstance(source, SyntheticCamera)
-    frames, windows = [], []
-    for _ in range(FRAMES):
+    perception = Perception(settings, camera)
+    frames, windows, objects = [], [], []
+    for number in range(1, SETTLE_FRAMES + FRAMES + 1):
         pixels = camera.black_image()
-        source.grab(pixels)
-        frames.append(pixels)
-        windows.append(_windows(source.truth, camera.model, settings))
+        grabbed = source.grab(pixels)
+        placed = perception.context.windows
+        placed.fill(0)
+        perception.perceive(ImageFrame(camera.name, number, grabbed, pixels), clock)
+        if number > SETTLE_FRAMES:
+            frames.append(pixels)
+            windows.append(placed[placed[:, RIGHT] > placed[:, LEFT]])
+            objects.append(_objects(source.truth, camera.model, settings))
     source.close()
-    corner = np.array([settings.field.length_m, settings.field.width_m]) / 2
-    dot_px = DOT_M * camera.model.pixels_per_metre(corner.tolist(), settings.robots.height_m)
+    if not all(map(len, windows)):
+        raise RuntimeError("segmentation: a frame was searched whole; windows around robots and ball were expected")
     table = compile_color_table(settings.colors)
-    min_px = min_height_px(dot_px, settings.blobs.row_step)
-    return Scene(settings, table, prefilter_from(table), frames, windows, min_px)
+    min_px = perception.context.segment.rows_apart
+    return Scene(settings, table, prefilter_from(table), frames, windows, objects, min_px)
 
 
-def _windows(truth: Truth, camera: CameraModel, settings: Settings) -> Boxes:
-    """Boxes around the robots and the ball, as a tracker would predict them."""
+def _objects(truth: Truth, camera: CameraModel, settings: Settings) -> Boxes:
+    """Boxes around the robots and the ball."""
     robots = camera.pixel_from_field(np.array([(r.x_m, r.y_m) for r in truth.robots]), settings.robots.height_m)
     ball = camera.pixel_from_field(np.array([(truth.ball.x_m, truth.ball.y_m)]))
     centers = np.vstack([robots, ball])
-    half = WINDOW_M * camera.pixels_per_metre([0.0, 0.0], settings.robots.height_m)
+    half = settings.robots.radius_m * camera.pixels_per_metre([0.0, 0.0], settings.robots.height_m)
     return np.hstack([centers - half, centers + half]).round().astype(np.int32)
 
 
@@ -130,7 +141,7 @@ class Methods:
             WHOLE: lambda number: whole.segment(frames[number], table, prefilter)[0],
             WINDOWS: lambda number: windows.segment(frames[number], table, prefilter, scene.windows[number])[0],
         }
-        c_reference, self.message = c_reference_of(scene)
+        c_reference, self.message = c_reference_of(settings, table, frames)
         if c_reference is not None:
             self.calls[IN_C], self.blobs[IN_C] = c_reference
         self.calls[MEMCPY] = lambda number: _copy(copy, frames[number])
@@ -141,24 +152,26 @@ def _copy(copy: Bytes, pixels: Bytes) -> int:
     return 0
 
 
-def c_reference_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
+def c_reference_of(
+    settings: Settings, table: ColorTable, frames: list[Bytes]
+) -> tuple[tuple[Method, Table] | None, str]:
     """The reference in C and the table that it fills, and the compiler's command; or None and the reason."""
     library, message = load_library("segmentation")
     if library is None:
         return None, message
-    (width, height), chosen = CameraSetup.from_settings(scene.settings).size_px, scene.settings.blobs
+    (height, width, _), chosen = frames[0].shape, settings.blobs
+    row = np.zeros(width, dtype=np.uint8)
     runs = np.zeros(chosen.max_runs * 24, dtype=np.uint8)
     regions = np.zeros(chosen.max_runs * 48, dtype=np.uint8)
     blobs = np.zeros(chosen.max_blobs, dtype=BLOB)
-    classes = scene.table.classes
-    # such a pointer keeps its array alive, which nothing else does for runs and regions
-    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (classes, runs, regions, blobs)]
-    images = [frame.ctypes.data_as(ctypes.c_void_p) for frame in scene.frames]
+    # such a pointer keeps its array alive, which nothing else does for row, runs and regions
+    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (table.classes, row, runs, regions, blobs)]
+    images = [frame.ctypes.data_as(ctypes.c_void_p) for frame in frames]
 
     def segment(number: int) -> int:
         found = library.segment(
             images[number], width, height, pointers[0], chosen.min_area_px,
-            pointers[1], pointers[2], chosen.max_runs, pointers[3], chosen.max_blobs,
+            *pointers[1:4], chosen.max_runs, pointers[4], chosen.max_blobs,
         )  # fmt: skip
         assert found >= 0, f"the C reference: {chosen.max_runs} runs and {chosen.max_blobs} blobs were not enough"
         return int(found)
@@ -168,7 +181,7 @@ def c_reference_of(scene: Scene) -> tuple[tuple[Method, Table] | None, str]:
 
 def _measure(size: str, scene: Scene) -> list[Row]:
     methods = Methods(scene)
-    recall = {name: _recall(scene, methods, name) for name in methods.blobs}
+    recall = {name: recall_of(scene, methods, name) for name in methods.blobs}
     times: dict[str, list[float]] = {name: [] for name in methods.calls}
     apart = FRAMES // len(methods.calls)
     for turn in range((WARM_ROUNDS + ROUNDS) * FRAMES):
@@ -193,16 +206,16 @@ def _measure(size: str, scene: Scene) -> list[Row]:
     return rows
 
 
-def _recall(scene: Scene, methods: Methods, name: str) -> float:
+def recall_of(scene: Scene, methods: Methods, name: str) -> float:
     """Share of the reference's marker blobs that a method finds, equal in every field."""
     expected = found = 0
-    for number, windows in enumerate(scene.windows):
+    for number, boxes in enumerate(scene.objects):
         of_reference = methods.blobs[REFERENCE][: methods.calls[REFERENCE](number)].copy()
         blobs = set(methods.blobs[name][: methods.calls[name](number)].tolist())
         tall = of_reference[of_reference["bottom"] - of_reference["top"] + 1 >= scene.min_px]
         for blob in tall:
             x, y = blob["x_px"], blob["y_px"]
-            inside = (windows[:, 0] <= x) & (x <= windows[:, 2]) & (windows[:, 1] <= y) & (y <= windows[:, 3])
+            inside = (boxes[:, 0] <= x) & (x <= boxes[:, 2]) & (boxes[:, 1] <= y) & (y <= boxes[:, 3])
             expected += bool(inside.any())
             found += bool(inside.any()) and blob.item() in blobs
     return found / expected
