@@ -32,9 +32,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.helpers import ROOT, wait_with_progress
-from bench.loop import Loop
 from bench.pictures import description_of, playback_order, render_match
 from bench.runner import Row
+from bench.whole_loop import Loop
 from vision_core.clock import MS_PER_S, MonotonicClock, seconds_between
 from vision_core.geometry import Bytes, Floats
 from vision_core.scheduling.executive import COLLECT_EVERY_NS
@@ -111,9 +111,10 @@ class MeasuredProcess:
     """The pipeline in this process."""
 
     def __init__(self, settings: Settings, frames: list[Bytes], stack: contextlib.ExitStack) -> None:
-        self._loop = Loop(settings, frames, stack)
+        self._loop = Loop(settings, stack)
         self._loop.perception.warm_up()
-        self._order = playback_order()
+        self._frames = [frames[picture] for picture in playback_order()]
+        """In the order in which they are played, in a loop."""
         self._clock = MonotonicClock()
         self._collects_between_frames = False
         self._last_collection = self._clock.now()
@@ -143,7 +144,7 @@ class MeasuredProcess:
         for number in range(count):
             skipped += self._wait(grid)
             page_faults, collections = _page_faults(), self._collections
-            times = self._loop.turn(self._order[number % len(self._order)])
+            times = self._loop.turn(self._frames[number % len(self._frames)])
             log.add(times[0], times[-1], _page_faults() - page_faults, self._collections - collections)
             self._loop.drain()
         grown = sys.getallocatedblocks() - blocks

@@ -33,11 +33,14 @@ T = TypeVar("T")
 class Helper:
     """A module that runs beside a measurement: ``python -m MODULE ARGUMENTS``."""
 
-    def __init__(self, module: str, *arguments: object) -> None:
-        """Start it and wait until it is ready. Raises RuntimeError when its first line is not ``ready``."""
+    def __init__(self, module: str, *arguments: object, descriptors: Sequence[int] = ()) -> None:
+        """Start it and wait until it is ready. Raises RuntimeError when its first line is not ``ready``.
+
+        descriptors: those that it inherits under the same numbers.
+        """
         command = [sys.executable, "-m", module, *map(str, arguments)]
         pipe = subprocess.PIPE
-        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, cwd=ROOT)
+        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, cwd=ROOT, pass_fds=descriptors)
         assert self.process.stdout is not None
         if (line := self.process.stdout.readline().strip()) != READY:
             self.kill()
