@@ -5,8 +5,9 @@
 *One loop* runs all detectors on every frame (``cambada.monolith``): once as an ordinary process, as the paper's loops
 were, and once with the real-time priority of the highest task. What differs between the second and the tasks is due to
 the architecture alone. *Tasks* have the periods, priorities and offsets of the paper's table 2, each in a process of
-its own in the running service (``cambada.tasks``). The camera delivers 640x480 at 20 Hz; the ball is missing in a fifth
-of the frames and the goals in a sixth. Everything runs under full load: a busy process on each core.
+its own in the running service (``cambada.tasks``). Those of the camera's own period are released by the frames, the
+others by the clock; ``cambada.venue`` says why. The camera delivers 640x480 at 20 Hz; the ball is missing in a fifth of
+the frames and the goals in a sixth. Everything runs under full load: a busy process on each core.
 
 Measured [ms]: response times of the loop (the paper's table 1) and intervals between activations of every task (its
 table 3), with the paper's figures as the baseline; the goal is a smaller standard deviation than the paper's for every

@@ -59,8 +59,8 @@ class Skipped:
     """Frames."""
     by_machine: int
     """Frames that were skipped while the machine stalled."""
-    releases: int
-    """Releases without a run."""
+    undelivered: int
+    """Periods in which the camera delivered no frame."""
 
 
 def intervals_ms(rows: Rows) -> Floats:
@@ -84,15 +84,15 @@ def spread_of(durations_ms: Floats) -> Spread:
 
 def skipped_of(rows: Rows, period_ms: float, has_stalled: HasStalled) -> Skipped:
     """Count what a task that runs for every frame has skipped."""
-    by_task = by_machine = releases = 0
+    by_task = by_machine = undelivered = 0
     for before, after in pairwise(rows.tolist()):
         frames = max(after[IMAGE] - before[IMAGE] - 1, 0)
-        releases += max(round((after[DUE] - before[DUE]) / NS_PER_MS / period_ms) - 1, 0)
+        undelivered += max(round((after[DUE] - before[DUE]) / NS_PER_MS / period_ms) - 1 - frames, 0)
         if frames and has_stalled(before[BEGAN] / NS_PER_S - BEFORE_FRAME_S, after[DONE] / NS_PER_S):
             by_machine += frames
         else:
             by_task += frames
-    return Skipped(by_task, by_machine, releases)
+    return Skipped(by_task, by_machine, undelivered)
 
 
 def table_1(loop: Loop) -> Iterator[Row]:
@@ -145,7 +145,7 @@ def _skipped_rows(name: str, rows: Rows, has_stalled: HasStalled) -> Iterator[Ro
     goal = {"goal": "0", "met": skipped.by_task == 0}
     yield {"name": f"{name}: frames skipped by the task", "value": skipped.by_task} | goal
     yield {"name": f"{name}: frames skipped while the machine stalled", "value": skipped.by_machine}
-    yield {"name": f"{name}: releases without a run", "value": skipped.releases}
+    yield {"name": f"{name}: periods in which the camera delivered no frame", "value": skipped.undelivered}
 
 
 def _beside(name: str, ours: float, paper: float) -> Row:

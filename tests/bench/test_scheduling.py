@@ -52,9 +52,16 @@ def test_a_skipped_frame_is_attributed_to_the_task_unless_the_machine_stalled() 
     rows = np.delete(rows_of(50.0, 10), (3, 7), axis=0)
     assert skipped_of(rows_of(50.0, 10), 50.0, lambda _start, _end: True).by_machine == 0
     busy = skipped_of(rows, 50.0, lambda _start, _end: False)
-    assert (busy.by_task, busy.by_machine, busy.releases) == (2, 0, 2)
+    assert (busy.by_task, busy.by_machine, busy.undelivered) == (2, 0, 0)
     stalled = skipped_of(rows, 50.0, lambda start, end: start < 0.2 < end)
     assert (stalled.by_task, stalled.by_machine) == (1, 1)
+
+
+def test_a_frame_that_never_came_is_not_skipped() -> None:
+    rows = np.delete(rows_of(50.0, 10), (3, 7), axis=0)
+    rows[:, 3] = np.arange(len(rows))
+    skipped = skipped_of(rows, 50.0, lambda _start, _end: False)
+    assert (skipped.by_task, skipped.by_machine, skipped.undelivered) == (0, 0, 2)
 
 
 def test_a_frame_that_was_processed_twice_is_not_skipped() -> None:
