@@ -65,6 +65,8 @@ class KernelCache(caching._Cache):
     def save_overload(self, sig: Any, data: Any) -> None:
         """Write a kernel that was just compiled."""
         seconds = self._seconds_of(sig)
+        for environment in data._find_referenced_environments():
+            data.codegen.set_env(environment.env_name, environment)
         folder = _folder()
         if folder is None:
             return

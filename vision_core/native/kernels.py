@@ -22,6 +22,9 @@ from numba import extending  # noqa: E402
 from numba.experimental import structref as _structref  # noqa: E402
 
 from vision_core.native.kernel_cache import KernelCache  # noqa: E402
+from vision_core.native.machine_code import use_lazy_libraries  # noqa: E402
+
+use_lazy_libraries()
 
 machine_types: Any = numba.types
 _compiler: Any = numba.njit

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vision_core.geometry import Floats
+from vision_core.geometry import Floats, frozen
 from vision_core.models.camera_kernels import pixel_from_field, pixels_per_square_metre
 from vision_core.models.from_settings import robots_of
 from vision_core.objects.field_limits import accepted_extents, is_accepted
@@ -180,7 +180,7 @@ def _robot_like(scene: Scene, finder: RobotFinder) -> Iterator[tuple[Marker, Any
         max_area=gates.max_area * WIDER_AREA,
         tolerance_m=gates.tolerance_m * WIDER_TOLERANCE,
         min_confidence=min(MIN_LIKENESS, gates.min_confidence),
-        extents_m=gates.extents_m * WIDER_FIELD,
+        extents_m=frozen(gates.extents_m * WIDER_FIELD),
     )
     for hypothesis in seen_robots(scene, finder._replace(gates=wider)).hypotheses:
         marker = finder.markers[hypothesis["marker"]]
