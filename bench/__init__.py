@@ -15,7 +15,8 @@ Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA p
 
 Clocks: ``clock_sync`` (with ``clock_paths``).
 
-The whole service: ``clients``, ``light`` (with ``true_world``), ``faults`` (with ``fault_targets`` and ``shutdown``).
+The whole service: ``first_start``, ``clients``, ``light`` (with ``true_world``), ``faults`` (with ``fault_targets`` and
+``shutdown``).
 
 Shared parts: ``calibration_views`` renders the pictures of random cameras, ``service`` starts the real service,
 ``pictures`` gives it a fast camera, ``load`` keeps all cores busy. Helper processes run beside a measurement

@@ -16,7 +16,7 @@ Row = dict[str, Any]
 
 BENCHMARKS = (
     *("accuracy", "calibration", "mirror", "segmentation", "loop", "views", "udp_send", "send_stamps"),
-    *("growing", "torn_reads", "fairness"),
+    *("growing", "torn_reads", "fairness", "first_start"),
     *(
         "scheduling",
         "activation",
