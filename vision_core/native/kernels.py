@@ -83,15 +83,52 @@ class Boxed(structref.StructRefProxy):  # type: ignore[misc]
     """
 
     value: Any
+    kept: Any
+    """What ``box`` was given: keeps the arrays alive."""
 
 
 structref.define_proxy(Boxed, _BoxedType, ["value"])
 
 
-@kernel
 def box(value: Any) -> Boxed:
-    """Take a tuple of arrays apart once, for all calls that follow."""
-    return Boxed(value)
+    """Take a tuple of arrays apart once, for all calls that follow.
+
+    Kernels do not count references to these arrays: counting is a locked instruction at many a use of an array.
+    """
+    boxed = _box(value)
+    boxed.kept = value
+    return boxed
+
+
+@kernel
+def _box(value: Any) -> Boxed:
+    return Boxed(_uncounted(value))
+
+
+@intrinsic
+def _uncounted(_typing: Any, value: Any) -> Any:
+    """The same tuple, with arrays that have no owner whose references would be counted."""
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return _without_owners(context, builder, signature.args[0], values[0])
+
+    return value(value), code
+
+
+def _without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Code for a value of a type of numba: arrays lose their owners, also in tuples; other values count one more."""
+    if isinstance(kind, machine_types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = context.get_constant_null(machine_types.MemInfoPointer(machine_types.voidptr))
+        array.parent = context.get_constant_null(machine_types.pyobject)
+        return array._getvalue()
+    if isinstance(kind, machine_types.BaseTuple):
+        for place, item in enumerate(kind):
+            part = _without_owners(context, builder, item, builder.extract_value(value, place))
+            value = builder.insert_value(value, part, place)
+        return value
+    context.nrt.incref(builder, kind, value)
+    return value
 
 
 def read_only(array: Array) -> Array:

@@ -127,7 +127,8 @@ def splat_segment(x1: float, y1: float, x2: float, y2: float, kind: int, rays: R
     ex, ey = x2 - x1, y2 - y1
     cross = x1 * ey - y1 * ex
     if abs(cross) <= ON_THE_LINE_M * math.sqrt(ex * ex + ey * ey):
-        _test_segment(x1, y1, x2, y2, kind, 0, count, rays)
+        for ray in range(count):
+            _test_segment(x1, y1, x2, y2, kind, ray, rays)
         return
     per_rad = count / FULL_TURN
     opening = math.atan2(cross, x1 * x2 + y1 * y2) * per_rad
@@ -137,10 +138,8 @@ def splat_segment(x1: float, y1: float, x2: float, y2: float, kind: int, rays: R
     _hit_line(cross, ex, ey, kind, first + 1, min(last, count), rays)
     _hit_line(cross, ex, ey, kind, 0, last - count, rays)
     # The two rays at the ends are tested exactly.
-    if last >= count:
-        last -= count
-    _test_segment(x1, y1, x2, y2, kind, first, first + 1, rays)
-    _test_segment(x1, y1, x2, y2, kind, last, last + 1, rays)
+    _test_segment(x1, y1, x2, y2, kind, first, rays)
+    _test_segment(x1, y1, x2, y2, kind, last if last < count else last - count, rays)
 
 
 @kernel
@@ -155,10 +154,9 @@ def _hit_line(cross: float, ex: float, ey: float, kind: int, start: int, end: in
 
 
 @kernel
-def _test_segment(x1: float, y1: float, x2: float, y2: float, kind: int, start: int, end: int, rays: Rays) -> None:
-    """Test the rays start..end against a segment, exactly."""
-    ux, uy, distances_m, kinds = rays.ux, rays.uy, rays.distances_m, rays.kinds
-    for i in range(np.uint64(start), np.uint64(end)):
-        distance = segment_distance(ux[i], uy[i], x1, y1, x2, y2)
-        if distance < distances_m[i]:
-            distances_m[i], kinds[i] = distance, kind
+def _test_segment(x1: float, y1: float, x2: float, y2: float, kind: int, ray: int, rays: Rays) -> None:
+    """Test a ray against a segment, exactly."""
+    i = np.uint64(ray)
+    distance = segment_distance(rays.ux[i], rays.uy[i], x1, y1, x2, y2)
+    if distance < rays.distances_m[i]:
+        rays.distances_m[i], rays.kinds[i] = distance, kind
