@@ -11,7 +11,7 @@ Cost of the pipeline's stages: ``segmentation``, ``loop`` (all stages), ``views`
 Impartiality: ``fairness``, and ``send_stamps`` (what its stamps cost).
 
 Real-time behavior: ``torn_reads`` (the database), ``scheduling`` (the CAMBADA paper's experiment, with ``cambada``),
-``activation``, ``handover``, ``rehearsal``, ``dashboards``, ``gc_pauses``.
+``activation``, ``handover`` (with rehearsals and without), ``no_trace`` (of rehearsals), ``dashboards``, ``gc_pauses``.
 
 Clocks: ``clock_sync`` (with ``clock_paths``).
 

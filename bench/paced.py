@@ -30,7 +30,7 @@ from vision_core.clock import NS_PER_S, NS_PER_US, Instant, MonotonicClock, seco
 from vision_core.geometry import Bytes
 from vision_core.rtdb.slots import SlotReader, SlotView
 from vision_core.rtdb.store import Store, create_block
-from vision_core.scheduling.rehearser import Rehearser
+from vision_core.scheduling.rehearser import Part, Rehearser
 from vision_core.scheduling.releases import Trigger
 
 LOOP, REHEARSED = "loop", "loop that rehearses"
@@ -53,6 +53,8 @@ class Frames:
     trigger: Trigger
     shape: tuple[int, int, int]
     rehearser: Rehearser
+    part: Part
+    """The rehearsal of the loop."""
 
     def wait(self, *, rehearses: bool) -> SlotView:
         """The next frame; until it comes the process sleeps, or rehearses and watches.
@@ -67,11 +69,11 @@ class Frames:
                 assert view is not None
                 self.rehearser.released(release.due)
                 return view
-            begin = self.rehearser.begin(now) if rehearses else None
+            begin = self.rehearser.begin(now, [self.part]) if rehearses else None
             if begin is None or begin > now:
                 self._sleep(seconds_between(now, begin or end))
             else:
-                self._watch(self.rehearser.rehearse(lambda: self.trigger.waits))
+                self._watch(self.rehearser.rehearse([self.part], self._is_released))
         raise RuntimeError(f"no frame came for {PATIENCE_S:g} s")
 
     def pixels(self, view: SlotView) -> Bytes:
@@ -84,8 +86,11 @@ class Frames:
             os.eventfd_read(self.event)
 
     def _watch(self, until: Instant) -> None:
-        while MonotonicClock().now() < until and not self.trigger.waits:
+        while MonotonicClock().now() < until and not self._is_released():
             pass
+
+    def _is_released(self) -> bool:
+        return self.trigger.is_due(MonotonicClock().now())
 
 
 def main(size: str, robots: int) -> None:
@@ -97,7 +102,7 @@ def main(size: str, robots: int) -> None:
         policy = request_realtime(loop.settings.tasks["perceive"].times.priority)
         times = _measure(methods, frames, loop)
         policies = f"{policy}, camera {camera.finish()['policy']}"
-        print(json.dumps({"policies": policies, "rehearsals": str(frames.rehearser.counts), "times_us": times}))
+        print(json.dumps({"policies": policies, "rehearsals": str(frames.part.counts), "times_us": times}))
 
 
 @contextlib.contextmanager
@@ -107,8 +112,8 @@ def _frames_of(loop: Loop, size: str, robots: int) -> Iterator[tuple[Frames, Hel
     record = frame_record(size_px)
     block, event = create_block([record]), os.eventfd(0, os.EFD_NONBLOCK)
     reader = Store([record], block, read_only=True).reader(record.name)
-    trigger, rehearser = Trigger(reader, Instant(0), 0.0), Rehearser(loop.rehearse, MonotonicClock())
-    frames = Frames(reader, event, trigger, loop.perception.camera.shape, rehearser)
+    trigger, rehearser = Trigger(reader, Instant(0), 0.0), Rehearser(MonotonicClock())
+    frames = Frames(reader, event, trigger, loop.perception.camera.shape, rehearser, Part(loop.rehearse))
     try:
         with Helper("bench.paced_camera", size, robots, block, event, descriptors=(block, event)) as camera:
             yield frames, camera
@@ -145,8 +150,12 @@ def _measure(methods: dict[str, Method], frames: Frames, loop: Loop) -> dict[str
         for name, method in methods.items():
             for place in range(BLOCK):
                 view = frames.wait(rehearses=name == REHEARSED)
+                began = now()
                 method(view)
-                took_ns = now() - view.written
+                ended = now()
+                took_ns = ended - view.written
+                if name in (LOOP, REHEARSED):
+                    frames.rehearser.ran(ended - began)
                 loop.drain()
                 if place >= UNMEASURED:
                     times[name].append(took_ns / NS_PER_US)

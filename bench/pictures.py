@@ -56,12 +56,15 @@ def description_of(settings: Settings) -> str:
 
 @contextlib.contextmanager
 def match_service(
-    rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM
+    rate_hz: float, robots_per_team: int = ROBOTS_PER_TEAM, further: str = ""
 ) -> Iterator[tuple[RunningService, Attached, str]]:
-    """A running service that shows a match at a rate, all frames in its memory; its database; the frames in words."""
+    """A running service that shows a match at a rate, all frames in its memory; its database; the frames in words.
+
+    further: the text of further settings.
+    """
     with tempfile.TemporaryDirectory(prefix="pslv-bench-") as name:
         description = _write_match(Path(name), rate_hz, robots_per_team)
-        settings = f"camera.rate_hz = {rate_hz}\nmatch.numbers = {ROBOTS_PER_TEAM}\n"
+        settings = f"camera.rate_hz = {rate_hz}\nmatch.numbers = {ROBOTS_PER_TEAM}\n{further}"
         with attached_service(settings, "--source", f"file:{name}") as (service, attached):
             _wait_until_all_are_loaded(attached)
             yield service, attached, description

@@ -21,7 +21,7 @@ BENCHMARKS = (
         "scheduling",
         "activation",
         "handover",
-        "rehearsal",
+        "no_trace",
         "dashboards",
         "gc_pauses",
         "clients",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from bench.accuracy import TEAMS, settings_of
 from vision_core.capture.source import open_source
-from vision_core.clock import NS_PER_S, Instant, ManualClock, MonotonicClock
+from vision_core.clock import NS_PER_S, Instant, ManualClock
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.net.delivery import Batch, DeliveryTable
@@ -48,7 +48,7 @@ class Loop:
     def __init__(self, settings: Settings, stack: contextlib.ExitStack) -> None:
         """stack: closes its sockets."""
         self.settings = settings
-        self._clock = MonotonicClock()
+        self._clock = ManualClock()
         self.perception = Perception(settings, CameraSetup.from_settings(settings))
         self._tracker = Tracker(settings.tracks, settings.robots)
         self._encoder = ViewEncoder(settings, Instant(0))
@@ -105,12 +105,24 @@ class Loop:
 
     def drain(self) -> int:
         """Receive all datagrams that wait in the clients' sockets. Returns their number."""
-        taken = 0
+        return len(self.received())
+
+    def received(self) -> list[bytes]:
+        """All datagrams that wait in the clients' sockets, client by client."""
+        datagrams = []
         for client in self._sockets:
             with contextlib.suppress(BlockingIOError):
-                while client.recv(4096):
-                    taken += 1
-        return taken
+                while True:
+                    datagrams.append(client.recv(4096))
+        return datagrams
+
+    def state(self) -> list[bytes]:
+        """All that the next frames depend on, and the order in which the last one was sent."""
+        context, rows = self.perception.context, self._deliveries.rows
+        held = [context.held.robots, context.held.size]
+        kept = [self.perception.robots, context.expected, *held, context.segment.cursor, self._tracker._state]
+        deliveries = [rows[name] for name in rows.dtype.fields or () if name not in ("descriptor", "sent_at")]
+        return [array.tobytes() for array in (*kept, *deliveries)]
 
 
 @contextlib.contextmanager

@@ -41,9 +41,10 @@ class Family:
             os.close(descriptor)
 
     def _resources(self, plan: ChildPlan) -> ChildResources:
-        """What a child is given."""
+        """What a child is given. Its own event is raised by others only: it knows what it has written."""
+        others = [child for child in self._plan.children if child is not plan]
         notify = {
-            record: tuple(self._events[other.name] for other in self._plan.children if record in other.wakes)
+            record: tuple(self._events[other.name] for other in others if record in other.wakes)
             for record in plan.writes
         }
         return ChildResources(

@@ -7,7 +7,7 @@ import pytest
 
 from bench.baselines.build import build_program
 from bench.frame_path import FRAME_PATH
-from bench.handover import joined, work_by_task
+from bench.handover import joined_latencies, served, work_by_task
 
 BOOT = 1_000_000_000
 PERIOD = 5_000_000
@@ -21,9 +21,10 @@ def test_views_are_joined_with_their_frames() -> None:
     timestamps = [(measured(number), measured(number) + 50_000) for number in range(5)]
     times = [(at - BOOT) // 1000 for at, _ in timestamps]
     views = [[times[k], count, 0, timestamps[k][1] + 700_000] for k, count in ((0, 22), (1, 21), (3, 22))]
-    handover = joined(timestamps, {"clients": 22, "views": views}, BOOT, {}, [])
-    assert handover.latencies_us.tolist() == [700.0, 700.0]
-    assert (handover.frames, handover.incomplete, handover.skipped) == (4, 1, 1)  # the fifth was still on its way
+    received = {"clients": 22, "views": views}
+    assert [latency for _, latency in joined_latencies(timestamps, received, BOOT)] == [700_000, 700_000]
+    found = served(timestamps, received, BOOT)  # the fifth was still on its way
+    assert found == "4 frames, of which 1 reached not all clients and 1 none"
 
 
 def test_the_work_of_a_task_lasts_from_the_start_of_its_run_to_its_result() -> None:

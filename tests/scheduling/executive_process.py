@@ -29,6 +29,7 @@ IMAGES, SEEN = packed("images", int, 64, 1.0), packed("seen", int, 64, 1.0)
 TASKS = (
     line("slow", PERIOD, (), (), "p", priority=3, period_s=0.04),
     line("eyes", "images", ("images",), ("seen",), "p", priority=5, budget_s=1e-9),
+    line("ears", "seen", ("seen",), (), "p", priority=1),
     line("idle", PERIOD, (), (), "p", priority=4, period_s=0.02),
 )
 PHASE_S = 0.5
@@ -80,7 +81,7 @@ def main() -> None:
     executive.run()
     now = MonotonicClock().now()
     told = {task.name: to_builtins(records.task(task.name).reader(attachment.store).value(now)) for task in TASKS}
-    print(json.dumps({"counts": counts, "heard": os.eventfd_read(heard), "told": told}))
+    print(json.dumps({"counts": counts, "order": order, "heard": os.eventfd_read(heard), "told": told}))
 
 
 if __name__ == "__main__":

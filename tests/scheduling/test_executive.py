@@ -34,6 +34,14 @@ def test_a_record_releases_a_task_and_its_readers_every_time(ran: dict[str, Any]
     assert ran["heard"] == sum(ran["counts"]["eyes"])
 
 
+def test_what_a_task_releases_in_its_process_runs_next(ran: dict[str, Any]) -> None:
+    order, eyes = ran["order"], [place for place, name in enumerate(ran["order"]) if name == "eyes"]
+    alone = [place for place in eyes if order[place + 1] != "ears"]
+    assert len(eyes) - len(alone) == order.count("ears") > 0
+    for place in alone:  # only a task of higher priority comes between
+        assert order[place + 1] in ("idle", "slow", "eyes")
+
+
 def test_a_period_follows_an_override_and_its_end(ran: dict[str, Any]) -> None:
     declared, faster, again, *_ = ran["counts"]["slow"]
     assert faster > declared

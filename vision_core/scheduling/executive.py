@@ -4,14 +4,13 @@ import gc
 import select
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 
 import msgspec
 
 from vision_core.clock import NS_PER_S, Instant, MonotonicClock, after, seconds_between
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import Refusal, TaskOverride
-from vision_core.rtdb.slots import SlotWriter
 from vision_core.rtdb.task import DRIVER, PERIOD, Task
 from vision_core.scheduling.attachment import Attachment
 from vision_core.scheduling.handle import HEARTBEAT_EVERY_S, Handle, Step
@@ -24,34 +23,14 @@ from vision_core.scheduling.realtime import (
     sleep_until,
     stay_on,
 )
-from vision_core.scheduling.rehearser import Rehearser
+from vision_core.scheduling.rehearser import Part
 from vision_core.scheduling.releases import Grid, Release, Trigger
+from vision_core.scheduling.running import Run, RunningTask, chains_of
 
 COLLECT_EVERY_NS = 10 * NS_PER_S
 EARLY_NS = 200_000
 """A process that waits only for an instant wakes this long before it and reads the clock until it comes: how late the
 kernel wakes a process varies more than how long reading the clock takes."""
-
-
-@dataclass(slots=True)
-class _Running:
-    """A task of this process."""
-
-    declared: Task
-    """As the table has it."""
-    task: Task
-    """As it runs now, with the overrides that hold."""
-    handle: Handle
-    step: Step
-    metrics: TaskMetrics
-    schedule: Grid | Trigger | None
-    """None: a driver's task, which is always due."""
-    waking: list[SlotWriter]
-    """Its outputs that release other tasks."""
-    rehearser: Rehearser | None
-    policy: str = ""
-    refusal: Refusal | None = None
-    """Of its priority."""
 
 
 class Executive:
@@ -66,6 +45,7 @@ class Executive:
         """Sequence number of the overrides that hold."""
         self._collected = self._clock.now()
         self._tasks = [self._running(handle, step) for handle, step in started]
+        self._chains = chains_of(self._tasks, self._clock)
         self._chores = [callback for handle, _ in started for callback in handle.idle_callbacks]
         self._listeners = {key: value for handle, _ in started for key, value in handle.listeners.items()}
         wake = attachment.resources.wake
@@ -83,14 +63,14 @@ class Executive:
         while not self._attachment.stopping:
             self._turn()
 
-    def _running(self, handle: Handle, step: Step) -> _Running:
+    def _running(self, handle: Handle, step: Step) -> RunningTask:
         task, store = handle.task, self._attachment.store
         waking = [writer for name, writer in handle.outputs.items() if self._attachment.resources.notify.get(name)]
         handle.notified = {writer.spec.name: writer.sequence for writer in waking} | handle.notified
         metrics = TaskMetrics(store, task, self._attachment.resources.process)
-        rehearser = None if handle.rehearsal is None else Rehearser(handle.rehearsal, self._clock)
-        metrics.rehearsals = rehearser.counts if rehearser else None
-        return _Running(task, task, handle, step, metrics, self._schedule(task), waking, rehearser)
+        part = None if handle.rehearsal is None else Part(handle.rehearsal)
+        metrics.rehearsals = part.counts if part else None
+        return RunningTask(task, task, handle, step, metrics, self._schedule(task), waking, part)
 
     def _schedule(self, task: Task) -> Grid | Trigger | None:
         if task.trigger == DRIVER:
@@ -101,12 +81,10 @@ class Executive:
         return Trigger(self._attachment.store.reader(task.trigger), origin, task.times.period_s)
 
     def _turn(self) -> None:
-        """Run the first task that is due, or wait until one is; then call what the tasks registered for every turn."""
-        now = self._clock.now()
-        if self._is_interrupted():
-            self._apply_overrides()
-        if not self._run_first(now):
-            self._wait(now)
+        """Run what is due, or wait and run what is due then; then call what the tasks registered for every turn."""
+        if not self._run_due():
+            self._wait(self._clock.now())
+            self._run_due()
         for callback in self._chores:
             callback()
 
@@ -114,38 +92,61 @@ class Executive:
         """Are there new overrides, or does the service stop?"""
         return self._overrides.sequence != self._overrides_read or self._attachment.stopping
 
-    def _run_first(self, now: Instant) -> bool:
-        """Run the first task that is due, if one is."""
-        for running in self._tasks:
-            if running.task.times.enabled and (release := self._take(running, now)) is not None:
-                self._run(running, release)
-                return True
-        return False
+    def _run_due(self) -> bool:
+        """Run the first task that is due and what it releases here, and count the runs afterwards; False: none is due.
 
-    def _take(self, running: _Running, now: Instant) -> Release | None:
-        return Release(now, now) if running.schedule is None else running.schedule.take(now)
+        Between two tasks of the frame path there is nothing that could wait until its datagrams are sent.
+        """
+        if self._is_interrupted():
+            self._apply_overrides()
+        runs: list[Run] = []
+        running = self._first_due()
+        while running is not None and (not runs or runs[-1].running.releases(running)):
+            release = running.take(self._clock.now())
+            if release is None:
+                break
+            runs.append(self._run(running, release))
+            running = self._first_due()
+        if runs:
+            self._count(runs)
+        return bool(runs)
 
-    def _run(self, running: _Running, release: Release) -> None:
+    def _first_due(self) -> RunningTask | None:
+        """The task with the highest priority of those that are due."""
+        now = self._clock.now()
+        return next((running for running in self._tasks if running.is_due(now)), None)
+
+    def _run(self, running: RunningTask, release: Release) -> Run:
         if running.task.times.priority != self._priority:
             self._ask(running.task.times.priority)
-        if running.rehearser is not None:
-            running.rehearser.released(release.due)
         result = running.step(release)
         done = self._clock.now()
         for writer in running.waking:
             if writer.sequence != running.handle.notified[writer.spec.name]:
                 running.handle.notify(writer.spec.name)
-        running.metrics.count_missed(release.missed + result.missed)
-        if result.ran:
-            running.metrics.count_run(release, result, done)
+        return Run(running, release, result, done)
+
+    def _count(self, runs: Sequence[Run]) -> None:
+        """Note what has run, and publish it when it is time to."""
+        for run in runs:
+            run.running.metrics.count_missed(run.release.missed + run.result.missed)
+            if run.result.ran:
+                run.running.metrics.count_run(run.release, run.result, run.done)
+        for chain in self._chains:
+            if chain.first is runs[0].running and runs[0].result.ran:
+                chain.ran(runs)
         now = self._clock.now()
         self._attachment.heartbeat(now)
-        self._publish(running, now)
-        if running.schedule is None:  # a driver's task never waits here
+        for run in runs:
+            self._publish(run.running, now)
+        if runs[0].running.schedule is None:  # a driver's task never waits here
             self._collect_garbage(now)
 
     def _wait(self, now: Instant) -> None:
-        """Publish the metrics, collect garbage if that is due, and sleep until the next release or heartbeat."""
+        """Publish the metrics, collect garbage if that is due, and sleep until the next release or heartbeat.
+
+        A chain whose time has come to rehearse does that instead.
+        """
         self._attachment.heartbeat(now)
         highest = max((running.task.times.priority for running in self._tasks), default=0)
         if highest != self._priority:
@@ -158,40 +159,25 @@ class Executive:
             for running in self._tasks
             if running.task.times.enabled and isinstance(running.schedule, Grid)
         ]
-        rehearsals = self._rehearsals(now)
-        if rehearsals and rehearsals[0][0] <= now:
-            self._rehearse(rehearsals[0][1])
-            return
-        due += [begin for begin, _ in rehearsals[:1]]
+        for chain in self._chains:
+            begin = chain.begin(now)
+            if begin is not None and begin <= now:
+                chain.rehearse(self._is_needed)
+                return
+            due += [begin] if begin is not None else []
         heartbeat = after(now, HEARTBEAT_EVERY_S)
         if self._listening:
             self._listen(min([heartbeat, *due]))
         elif due and min(due) < heartbeat:
             sleep_until(Instant(min(due) - EARLY_NS))
-            while not (self._is_interrupted() or self._run_first(self._clock.now())):
+            while not self._is_needed():
                 pass
         else:
             sleep_until(heartbeat)
 
-    def _rehearsals(self, now: Instant) -> list[tuple[Instant, _Running]]:
-        """When which task is to rehearse, the first one first."""
-        found = []
-        for running in self._tasks:
-            rehearser, times = running.rehearser, running.task.times
-            if rehearser is not None and times.enabled and times.rehearse and (begin := rehearser.begin(now)):
-                found.append((begin, running))
-        return sorted(found, key=lambda one: one[0])
-
-    def _rehearse(self, running: _Running) -> None:
-        """Rehearse a task, then watch for its release until that is late: sleeping would cost the wake-up."""
-        rehearser, schedule = running.rehearser, running.schedule
-        assert rehearser is not None
-        assert isinstance(schedule, Trigger)
-        until = rehearser.rehearse(lambda: schedule.waits)
-        began = now = self._clock.now()
-        while now < until and not schedule.waits and not self._is_interrupted():
-            now = self._clock.now()
-        rehearser.watched(began)
+    def _is_needed(self) -> bool:
+        """Is a task due, or the process interrupted?"""
+        return self._first_due() is not None or self._is_interrupted()
 
     def _collect_garbage(self, now: Instant) -> None:
         """Collect garbage every COLLECT_EVERY_NS, when no task is due."""
@@ -211,7 +197,7 @@ class Executive:
             else:
                 self._listeners[descriptor]()
 
-    def _publish(self, running: _Running, now: Instant) -> None:
+    def _publish(self, running: RunningTask, now: Instant) -> None:
         running.metrics.note = running.handle.note
         refusals = (running.refusal, *self._refusals) if running.refusal is not None else self._refusals
         running.metrics.publish_if_due(now, running.task, running.policy, refusals)

@@ -31,6 +31,8 @@ class StepResult:
     """When the run should have begun, if the task knows better than its release; None: as released."""
     began: Instant | None = None
     """When it began, if the task first waited for something; None: as released."""
+    sent: Instant | None = None
+    """When what its rehearsal repeats was done, if more followed; None: as it returned."""
 
 
 RAN = StepResult()
@@ -51,6 +53,10 @@ class Grid:
         if self._number is None:
             self._number = max(newest, -1)  # the first one lies ahead
         return Instant(self.origin + max(self._number + 1, newest) * self.period_ns)
+
+    def is_due(self, now: Instant) -> bool:
+        """Has the next instant come?"""
+        return self.due(now) <= now
 
     def take(self, now: Instant) -> Release | None:
         """The instant that is due, if one is."""
@@ -92,10 +98,9 @@ class Trigger:
             return Release(view.written, now, passed, view.sequence)
         return Release(max(view.written, at.due), now, min(passed, at.missed), view.sequence)
 
-    @property
-    def waits(self) -> bool:
-        """Was the record written since it released the task last?"""
-        return self._record.sequence != self._seen
+    def is_due(self, now: Instant) -> bool:
+        """Was the record written since it released the task last, and is the grid's instant come?"""
+        return self._record.sequence != self._seen and (self._grid is None or self._grid.is_due(now))
 
     def forget(self) -> None:
         """Start anew with the newest writing; older ones are not missed, since the task was switched off."""

@@ -31,14 +31,18 @@ def start(handle: Handle) -> Step:
     perceived = frames.sequence
     last: SlotView | None = None
 
+    def newest() -> SlotView | None:
+        """The newest image, to be seen with the newest colors."""
+        colors.refresh(handle.clock.now())
+        suggested.refresh(handle.clock.now())
+        return frames.view()
+
     def step(release: Release) -> StepResult:
         nonlocal perceived, last
-        view = frames.view()
+        view = newest()
         if view is None or view.sequence == perceived:
             return IDLE
         perceived, last = view.sequence, view
-        colors.refresh(handle.clock.now())
-        suggested.refresh(handle.clock.now())
         newer = view.sequence - release.sequence  # images that came between the release and this call
         seen = perception.perceive(_image_from(view, camera), handle.clock)
         if not frames.is_unchanged(view):  # the ring went round meanwhile: the result mixes two images
@@ -50,6 +54,7 @@ def start(handle: Handle) -> Step:
 
     def rehearse(give_way: GiveWay) -> bool:
         """Perceive the last image once more, while it is still in the ring."""
+        newest()
         return last is not None and frames.is_unchanged(last) and perception.rehearse(give_way)
 
     handle.rehearse_with(rehearse)

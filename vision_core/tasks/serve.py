@@ -110,12 +110,17 @@ class ServeTask:
         self._report.note_frame(reading.measured, summary)
         self._note(summary.events)
         self._save_sessions()
-        return StepResult(missed=missed)
+        return StepResult(missed=missed, sent=summary.last)
 
     def rehearse(self, give_way: GiveWay) -> bool:
-        """Track, encode and send the last frame once more, to nobody; everything ends as it was."""
+        """Track, encode and send the last frame once more, to nobody; everything ends as it was.
+
+        The records are read as for a frame, so that this finds their code in the caches, too.
+        """
         if self._last_sent is None or give_way():
             return False
+        self._sightings.read(self._clock.now())
+        self._obstacles.newest()
         at, sessions, due = self._last_sent
         with self._tracker.rehearsed(self._sightings_table) as world:
             if world is None or give_way():
