@@ -31,7 +31,7 @@ class StepResult:
     """When the run should have begun, if the task knows better than its release; None: as released."""
     began: Instant | None = None
     """When it began, if the task first waited for something; None: as released."""
-    sent: Instant | None = None
+    done: Instant | None = None
     """When what its rehearsal repeats was done, if more followed; None: as it returned."""
 
 

@@ -71,7 +71,7 @@ class Chain:
         """The chain has run, as far as its tasks had something to do."""
         first, last = runs[0].release, runs[-1]
         self._rehearser.released(first.due)
-        self._rehearser.ran((last.result.sent or last.done) - first.began)
+        self._rehearser.ran((last.result.done or last.done) - first.began)
 
     def begin(self, now: Instant) -> Instant | None:
         """When to rehearse for the next release; None: not before it."""

@@ -110,7 +110,7 @@ class ServeTask:
         self._report.note_frame(reading.measured, summary)
         self._note(summary.events)
         self._save_sessions()
-        return StepResult(missed=missed, sent=summary.last)
+        return StepResult(missed=missed, done=summary.last)
 
     def rehearse(self, give_way: GiveWay) -> bool:
         """Track, encode and send the last frame once more, to nobody; everything ends as it was.
