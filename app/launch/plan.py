@@ -15,14 +15,14 @@ from app.web import PROCESS as WEB_PROCESS
 from vision_core import startup
 from vision_core.clock import Instant
 from vision_core.errors import ServiceError
-from vision_core.native.kernel_folder import DAMAGED, VARIABLE, choose_kernel_folder, delete_damaged
+from vision_core.native.kernel_folder import DAMAGED, VARIABLE, choose_kernel_folder, delete_damaged, is_complete
 from vision_core.net.control_files import PREFIX
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ServiceInfo
 from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
 from vision_core.settings.layers import Layer
 from vision_core.settings.schema import Settings
-from vision_core.tasks.table import COMPILER, LOG_READER, RESPONDER, record_specs, task_table
+from vision_core.tasks.table import COMPILER, COMPILER_OF_OTHERS, LOG_READER, RESPONDER, record_specs, task_table
 
 SPARES = ("spare-1", "spare-2")
 """Names of the warm spares; names of tasks have no dash."""
@@ -81,8 +81,8 @@ def plan_service(
 
     check: command that finds out whether the service would start again. compiles: kernels may be missing.
     """
-    compiler = (_compiler(),) if compiles else ()
-    children = (_log_reader(), *compiler, _responder(), *_child_plans(info.tasks, info.settings))
+    compilers = (_compiler(COMPILER), _compiler(COMPILER_OF_OTHERS, after=COMPILER, may_fail=True)) if compiles else ()
+    children = (_log_reader(), *compilers, _responder(), *_child_plans(info.tasks, info.settings))
     with_heartbeat = (*(child.name for child in children), *SPARES)
     log, output = log_sockets()
     return ServicePlan(
@@ -116,18 +116,29 @@ def prepare_kernel_folder() -> tuple[str, ...]:
     return tuple(line for line in (notice, damaged) if line)
 
 
-def _compiler() -> ChildPlan:
-    """The process that compiles the kernels, before everything that needs them."""
+def are_compiled(settings: Settings) -> bool:
+    """Are all kernels on disk that a start with these settings needs?"""
+    folder, _ = choose_kernel_folder()
+    if folder is None:
+        return False
+    is_done = is_complete(folder, settings.source.kind)
+    folder.close()
+    return is_done
+
+
+def _compiler(name: str, *, after: str = "", may_fail: bool = False) -> ChildPlan:
+    """A process that compiles kernels, before everything that needs them."""
     return ChildPlan(
-        name=COMPILER,
+        name=name,
         module=startup.COMPILE,
         wakes=(),
         writes=(),
         sockets=(),
-        after_compile=False,
+        after=after,
         once=True,
         heartbeat_s=MAX_RUN_S,
         longest_run_s=MAX_RUN_S,
+        may_fail=may_fail,
         spared=False,
     )
 
@@ -140,7 +151,7 @@ def _responder() -> ChildPlan:
         wakes=(),
         writes=(),
         sockets=("main", "session"),
-        after_compile=False,
+        after="",
         once=False,
         heartbeat_s=HEARTBEAT_S + OWN_LOOP_S,
         longest_run_s=ORDINARY_MAX_RUN_S,
@@ -157,7 +168,7 @@ def _log_reader() -> ChildPlan:
         wakes=(),
         writes=("log",),
         sockets=(LOG,),
-        after_compile=False,
+        after="",
         once=False,
         heartbeat_s=HEARTBEAT_S + OWN_LOOP_S,
         longest_run_s=ORDINARY_MAX_RUN_S,
@@ -177,13 +188,20 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
             wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
             writes=tuple(record for task in ours for record in task.writes),
             sockets=tuple(name for task in ours for name in task.sockets),
-            after_compile=any(task.needs_kernels for task in ours),
+            after=_compiler_for(ours),
             once=False,
             heartbeat_s=HEARTBEAT_S + max(_slack_s(task, settings) for task in ours),
             longest_run_s=_longest_run_s(ours),
             purpose=", ".join(task.purpose for task in ours if task.purpose),
             real_time=any(task.times.priority for task in ours),
         )
+
+
+def _compiler_for(tasks: Sequence[Task]) -> str:
+    """Name of the process that compiles the kernels of these tasks."""
+    if any(task.on_frame_path for task in tasks):
+        return COMPILER
+    return COMPILER_OF_OTHERS if any(task.needs_kernels for task in tasks) else ""
 
 
 def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:

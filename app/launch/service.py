@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from app import __version__
 from app.launch.first_lines import FirstLines
 from app.launch.page import page_being_built
-from app.launch.plan import plan_service, service_info
+from app.launch.plan import are_compiled, plan_service, service_info
 from app.launch.preflight import preflight
 from app.launch.prepared import Prepared, StartOptions, prepare
 from app.launch.resource_owners import lock_camera
@@ -57,7 +57,9 @@ def run_service(start: StartOptions, reports: Reports) -> int:
         held.enter_context(page_being_built())  # not before: the self-test of the machine wants it quiet
         reports.started(info, machine, reports.lines.say)
         known = {records.SELF_TEST.name: records.SELF_TEST.encode(machine), LOG.name: reports.lines.record()}
-        first = Supervisor(plan_service(info, sockets, known, _check(start, prepared)), reports.log, reports.progress)
+        compiles = not are_compiled(prepared.settings)
+        plan = plan_service(info, sockets, known, _check(start, prepared), compiles=compiles)
+        first = Supervisor(plan, reports.log, reports.progress)
         first.start()
         service = _Service(start, reports, sockets, camera, prepared, info, first)
         while not service.supervisor.is_stopping:

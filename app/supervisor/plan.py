@@ -23,16 +23,18 @@ class ChildPlan:
     """Records that it writes."""
     sockets: tuple[str, ...]
     """Sockets that it inherits, by name."""
-    after_compile: bool
-    """It is started when the process that runs once has ended well."""
+    after: str
+    """Name of a process that runs once: this one is started when that has ended. Empty: it is started at once."""
     once: bool
-    """It ends by itself, and all others wait for it."""
+    """It ends by itself."""
     heartbeat_s: float
     """A heartbeat that is older is overdue: the process is killed if it is stopped or sleeps."""
     longest_run_s: float
     """A process with an overdue heartbeat that computes is killed after this much processor time [s]."""
     real_time: bool = False
     """It runs tasks with real-time priority. An ordinary process is not disabled for being killed as hung."""
+    may_fail: bool = False
+    """When it runs once and fails, those that wait for it are started all the same. Otherwise the service ends."""
     spared: bool = True
     """A warm spare may take its place."""
     purpose: str = ""

@@ -22,7 +22,7 @@ def spare_plans(plan: ServicePlan) -> tuple[ChildPlan, ...]:
             wakes=(),
             writes=(),
             sockets=(),
-            after_compile=True,
+            after="",
             once=False,
             heartbeat_s=SILENCE_S,
             longest_run_s=SILENCE_S,

@@ -111,15 +111,14 @@ class Supervisor:
         """
         self._control = ControlSocket(self._plan.control, self._answer)
         self._family.write(carried)
-        compiles = any(child.plan.once for child in self.children)
+        names = {child.plan.name for child in self.children}
         name_process("pslv:supervisor")
         go_first()
         for child in self.children:
             if child.is_warm:
                 child.begin(time.monotonic_ns())
-            elif not (compiles and child.plan.after_compile):
-                child.start(time.monotonic_ns())
-                self._stop_without_compiler(child)
+            elif child.plan.after not in names:
+                self._start(child, time.monotonic_ns())
 
     def run(self, is_over: Callable[[], bool]) -> None:
         """Keep the children running until something is over, or SIGINT or SIGTERM comes."""
@@ -235,7 +234,7 @@ class Supervisor:
                 self._read_progress(child.process.stdout.fileno())  # its last line, written just before it ended
             child.reap(now)
             if child.plan.once:
-                self._compiled(child, now)
+                self._ran_once(child, now)
             else:
                 self.say(f"{child.plan.title} {child.detail}: {_consequence(child)}")
         elif child.process is not None:
@@ -247,10 +246,11 @@ class Supervisor:
                 self.say(f"{child.plan.title} does not answer and is killed")
                 child.kill()
 
-    def _stop_without_compiler(self, child: Child) -> None:
-        """End the service when the process that runs once could not be started."""
+    def _start(self, child: Child, now: int) -> None:
+        """Start a child for the first time; one that runs once and cannot be started has failed."""
+        child.start(now)
         if child.plan.once and child.process is None:
-            self._compiled(child, time.monotonic_ns())
+            self._ran_once(child, now)
 
     def _replace(self, child: Child, now: int) -> None:
         """Start a child again: from a warm spare if one is ready."""
@@ -260,16 +260,20 @@ class Supervisor:
         else:
             self.say(f"{spare.plan.name} takes the place of {child.plan.title}")
 
-    def _compiled(self, child: Child, now: int) -> None:
-        """Start the other processes when the one that runs once has ended well; end the service when it failed."""
+    def _ran_once(self, child: Child, now: int) -> None:
+        """Start the processes that wait for one that runs once; end the service when it failed and must not fail."""
         self._progress("")
         if child.state != ProcessState.DONE:
-            self.say(f"{child.plan.name} {child.detail}: the service cannot start")
-            self._failed = self._stopping = True
-            return
+            consequence = (
+                "those that wait for it start without it" if child.plan.may_fail else "the service cannot start"
+            )
+            self.say(f"{child.plan.name} {child.detail}: {consequence}")
+            if not child.plan.may_fail:
+                self._failed = self._stopping = True
+                return
         for other in self.children:
-            if other.plan.after_compile:
-                other.start(now)
+            if other.plan.after == child.plan.name:
+                self._start(other, now)
 
     def _publish(self, now: int) -> None:
         """Write the table of processes when it has changed, and every PUBLISH_EVERY_S as the supervisor's heartbeat."""

@@ -84,12 +84,16 @@ def self_test(condition: Condition) -> SelfTest:
     return SelfTest(grade, policy, refused, condition.rights, memory, 400, 30.0, p99_us, 3.0 * p99_us)
 
 
+COMPILERS = "compile", "compile_others"
+"""The processes that run once."""
+
+
 def process_infos(tasks: Sequence[Task], states: dict[str, tuple[str, str]]) -> tuple[ProcessInfo, ...]:
     """Of every process; states: state and detail of those that do not run."""
-    names = ("compile", *dict.fromkeys(task.process for task in tasks), *SPARES)
+    names = (*COMPILERS, *dict.fromkeys(task.process for task in tasks), *SPARES)
     infos = []
     for index, name in enumerate(names):
-        state, detail = states.get(name, ("done" if name == "compile" else "running", ""))
+        state, detail = states.get(name, ("done" if name in COMPILERS else "running", ""))
         running = state == ProcessState.RUNNING
         infos.append(ProcessInfo(name, 4000 + index if running else None, ProcessState(state), 0, detail))
     return tuple(infos)

@@ -16,6 +16,9 @@ from vision_core.rtdb.log_record import LOG as LOG_RECORD
 from vision_core.rtdb.task import ORDINARY_MAX_RUN_S
 from vision_core.scheduling.attachment import monotonic
 
+ONCE = ("job", "attempt")
+"""Names of sleepers that run once; the others wait for the first of them."""
+
 
 def main(arguments: list[str]) -> int:
     names = [name for name in arguments if not name.isdigit()]
@@ -28,11 +31,12 @@ def main(arguments: list[str]) -> int:
             wakes=(),
             writes=(),
             sockets=(LOG,) if name == "reader" else (),
-            after_compile="job" in names and name != "job",
-            once=name == "job",
+            after="" if name in ONCE else next((once for once in ONCE if once in names), ""),
+            once=name in ONCE,
+            may_fail=name == "attempt",
             heartbeat_s=0.5,
             longest_run_s=ORDINARY_MAX_RUN_S if name == "thinker" else 0.5,
-            spared=name != "job",
+            spared=name not in ONCE,
         )
         for name in names
     )

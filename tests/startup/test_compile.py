@@ -7,10 +7,10 @@ import pytest
 
 from vision_core.errors import ServiceError
 from vision_core.native import kernel_folder
-from vision_core.native.kernel_folder import VARIABLE, CompiledKernel, choose_kernel_folder
+from vision_core.native.kernel_folder import VARIABLE, CompiledKernel, choose_kernel_folder, is_complete
 from vision_core.pipeline.warm_up import COMPILERS
 from vision_core.startup import compile as compile_module
-from vision_core.startup.compile import STEPS, Step, compile_kernels
+from vision_core.startup.compile import FRAME_PATH, OTHERS, STEPS, Step, compile_kernels
 from vision_core.venues.loader import load_settings
 
 WORKER = """
@@ -46,13 +46,14 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def run(log: list[str], go_on: Any = lambda: True) -> list[str]:
     """The progress."""
     shown: list[str] = []
-    compile_kernels(load_settings(), show=shown.append, log=log.append, go_on=go_on)
+    compile_kernels(load_settings(), compile_module.STEPS, show=shown.append, log=log.append, go_on=go_on)
     return shown
 
 
 def test_every_step_has_its_compiler_and_waits_for_steps_before_it() -> None:
     assert {step.name for step in STEPS} == COMPILERS.keys()
     names = [step.name for step in STEPS]
+    assert (*FRAME_PATH, *OTHERS) == STEPS
     assert all(names.index(other) < names.index(step.name) for step in STEPS for other in step.after)
 
 
@@ -63,6 +64,17 @@ def test_progress_ends_with_all_parts(log: list[str]) -> None:
     (line,) = log
     assert line.startswith("compiled 3 kernels in ")
     assert "(4 s of processor time); the longest: " in line
+
+
+def test_a_part_of_the_steps_is_compiled_first_and_the_rest_completes_it(log: list[str]) -> None:
+    settings = load_settings()
+    for steps in (compile_module.STEPS[:2], compile_module.STEPS[2:]):
+        shown: list[str] = []
+        compile_kernels(settings, steps, show=shown.append, log=log.append, go_on=lambda: True)
+        assert shown[-1] == f"{len(steps)} of {len(steps)} parts are compiled"
+        folder, _ = choose_kernel_folder()
+        assert folder is not None
+        assert is_complete(folder, "synthetic") == (steps[-1].name == "last")
 
 
 def test_what_is_complete_is_not_compiled_again(log: list[str], monkeypatch: pytest.MonkeyPatch) -> None:

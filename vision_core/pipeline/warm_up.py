@@ -13,7 +13,7 @@ from vision_core.blobs.row_scan import segment_picture
 from vision_core.capture.source import open_source
 from vision_core.clock import Instant, ManualClock
 from vision_core.models.camera_setup import CameraSetup
-from vision_core.native.kernels import compile_for_kernels, field_type, read_only
+from vision_core.native.kernels import box, compile_for_kernels, field_type, read_only
 from vision_core.net.delivery import Batch, DeliveryTable
 from vision_core.objects.ball.finder import find_balls
 from vision_core.objects.observation import Observation
@@ -21,6 +21,7 @@ from vision_core.objects.robots.finder import find_robots
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.overlay import OverlayMaker
 from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.suggestions import NOTHING
 from vision_core.pipeline.view_encoder import ViewEncoder
 from vision_core.scheduling.attachment import end_with
 from vision_core.settings.schema import SYNTHETIC, Settings
@@ -108,6 +109,26 @@ def compile_balls(settings: Settings) -> None:
     compile_for_kernels(find_balls, seen, robots, 0, stage.context.balls, balls)
 
 
+def box_arguments(settings: Settings) -> None:
+    """Compile what takes the arguments of ``perceive_picture`` apart."""
+    box(Perception(settings, CameraSetup.from_settings(settings)).context)
+
+
+def confirm(settings: Settings) -> None:
+    """Look for robots by their shapes in an empty picture."""
+    setup = CameraSetup.from_settings(settings)
+    stage = Perception(settings, setup)
+    stage.pixels = read_only(setup.black_image())
+    stage.confirm(NOTHING)
+
+
+def perceive(settings: Settings) -> None:
+    """Perceive an empty picture."""
+    setup = CameraSetup.from_settings(settings)
+    frame = ImageFrame(setup.name, 1, Instant(0), setup.black_image())
+    Perception(settings, setup).perceive(frame, ManualClock())
+
+
 def _finder_inputs(settings: Settings) -> tuple[Perception, Observation, Table]:
     """The arguments of the finders: the perception stage, the observation of an empty picture, an empty table."""
     setup = CameraSetup.from_settings(settings)
@@ -120,7 +141,10 @@ COMPILERS = {
     "robots": compile_robots,
     "blobs": compile_blobs,
     "balls": compile_balls,
-    "perception": perception,
+    "arguments": box_arguments,
+    "confirmation": confirm,
+    "perception": perceive,
+    "diagnosis": perception,
     "tracks": track,
     "views": lambda settings: encode(settings, WorldTable()),
     "camera": camera,

@@ -52,6 +52,11 @@ class SourceSettings(Record, frozen=True):
     uri: Annotated[str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n or path>")]
 
     @property
+    def kind(self) -> str:
+        """The word before the colon; each kind needs kernels of its own."""
+        return self.uri.partition(":")[0]
+
+    @property
     def device(self) -> str | None:
         """Number or path of the camera that the address names; None: no device, images are made when requested."""
         kind, _, device = self.uri.partition(":")

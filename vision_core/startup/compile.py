@@ -1,4 +1,6 @@
-"""Process that runs once, before the tasks: compiles every kernel of the service, and prints how far it is.
+"""Process that runs once, before the tasks: compiles kernels of the service, and prints how far it is.
+
+It runs twice: for the frame path, then for all other tasks, while robots are served already.
 
 Worker processes, one for each core, compile step after step; the step that the others wait for longest comes first.
 Each line on standard output is the progress so far; the supervisor passes it on. When everything was compiled before,
@@ -11,7 +13,7 @@ import select
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import msgspec
@@ -32,6 +34,7 @@ from vision_core.native.private_folder import PrivateFolder
 from vision_core.rtdb import records
 from vision_core.scheduling.attachment import attach
 from vision_core.settings.schema import Settings
+from vision_core.tasks.table import COMPILER_OF_OTHERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,26 +44,39 @@ class Step:
     name: str
     after: tuple[str, ...] = ()
     """Steps whose kernels it calls."""
+    on_frame_path: bool = True
+    """No robot is served without its kernels. The others are compiled while robots are served."""
 
 
 STEPS = (
     Step("robots"),
-    Step("views"),
     Step("blobs"),
+    Step("arguments"),
     Step("balls"),
-    Step("tracks"),
-    Step("perception", after=("robots", "blobs", "balls")),
     Step("camera"),
+    Step("confirmation", after=("robots", "arguments")),
+    Step("perception", after=("robots", "blobs", "balls", "arguments")),
+    Step("views"),
+    Step("tracks"),
+    Step("diagnosis", after=("perception", "confirmation"), on_frame_path=False),
 )
 """In the order in which they are begun: steps that others wait for, then the longest."""
+FRAME_PATH = tuple(step for step in STEPS if step.on_frame_path)
+OTHERS = tuple(step for step in STEPS if not step.on_frame_path)
 WORKER = ("-m", "vision_core.pipeline.warm_up")
+NICENESS = 5
+"""Of what compiles while robots are served: they come first, but a busy machine must not keep it from ending."""
 LOOK_EVERY_S = 0.2
 NAMED_IN_SUMMARY = 3
 
 
 def main() -> None:
-    """Compile, then end."""
+    """Compile the kernels of the frame path or, under the name COMPILER_OF_OTHERS, all others; then end."""
     attachment = attach()
+    steps = FRAME_PATH
+    if attachment.resources.process == COMPILER_OF_OTHERS:
+        steps = OTHERS
+        os.nice(NICENESS)
     clock = MonotonicClock()
     settings = records.SERVICE.reader(attachment.store).value(clock.now()).settings
 
@@ -69,18 +85,24 @@ def main() -> None:
         return not attachment.stopping
 
     try:
-        compile_kernels(settings, show=lambda line: print(line, flush=True), log=_log, go_on=go_on)
+        compile_kernels(settings, steps, show=lambda line: print(line, flush=True), log=_log, go_on=go_on)
     except ServiceError as error:
         sys.exit(str(error))
 
 
 def compile_kernels(
-    settings: Settings, *, show: Callable[[str], None], log: Callable[[str], None], go_on: Callable[[], bool]
+    settings: Settings,
+    steps: Sequence[Step] = STEPS,
+    *,
+    show: Callable[[str], None],
+    log: Callable[[str], None],
+    go_on: Callable[[], bool],
 ) -> None:
     """Compile every kernel that a start with these settings needs and that is not on disk yet.
 
-    show: gets the progress whenever it changes; log: gets each line for the log; go_on: is asked several times a
-    second, and False ends the work. Raises ServiceError when a step fails, or when there is no folder to write to.
+    steps: a part of STEPS; after the last of STEPS all counts as compiled. show: gets the progress whenever it changes;
+    log: gets each line for the log; go_on: is asked several times a second, and False ends the work.
+    Raises ServiceError when a step fails, or when there is no folder to write to.
     """
     began = time.monotonic()
     folder, notice = choose_kernel_folder()
@@ -90,43 +112,45 @@ def compile_kernels(
         )
     if notice:
         log(notice)
-    kind = settings.source.uri.partition(":")[0]
-    if is_complete(folder, kind):
-        show(f"{len(STEPS)} of {len(STEPS)} parts were compiled before")
+    if is_complete(folder, settings.source.kind):
+        show(f"{len(steps)} of {len(steps)} parts were compiled before")
         return
     if delete_damaged(folder):
         log(DAMAGED.format(folder.path))
     before = set(kernel_files(folder))
     shown = ""
-    for progress in _progress(settings):
+    for progress in _progress(settings, steps):
         if progress != shown:
             show(shown := progress)
         if not go_on():
             return
     log(_summary(folder, before, time.monotonic() - began))
+    if STEPS[-1] not in steps:
+        return
     newest, _ = choose_kernel_folder()
     if newest is not None and newest.path == folder.path:  # else the code changed meanwhile
         with contextlib.suppress(OSError):  # a full disk: the next start compiles what is missing
-            mark_complete(folder, kind)
+            mark_complete(folder, settings.source.kind)
         delete_old_versions(folder)
 
 
-def _progress(settings: Settings) -> Iterator[str]:
-    """Compile all steps; yields how far it is, several times a second. Raises ServiceError when a step fails."""
-    left, done = list(STEPS), set[str]()
-    workers = [_Worker(settings) for _ in range(min(len(os.sched_getaffinity(0)), len(STEPS)))]
+def _progress(settings: Settings, steps: Sequence[Step]) -> Iterator[str]:
+    """Compile steps; yields how far it is, several times a second. Raises ServiceError when a step fails."""
+    left, done = list(steps), set[str]()
+    ours = {step.name for step in steps}
+    workers = [_Worker(settings) for _ in range(min(len(os.sched_getaffinity(0)), len(steps)))]
     try:
-        while len(done) < len(STEPS):
+        while len(done) < len(steps):
             for worker in workers:
-                ready = next((step for step in left if done.issuperset(step.after)), None)
+                ready = next((step for step in left if done.issuperset(ours.intersection(step.after))), None)
                 if ready is not None and not worker.step:
                     left.remove(ready)
                     worker.begin(ready.name)
             busy = [worker for worker in workers if worker.step]
-            yield f"{len(done)} of {len(STEPS)} parts are compiled; now: {', '.join(worker.step for worker in busy)}"
+            yield f"{len(done)} of {len(steps)} parts are compiled; now: {', '.join(worker.step for worker in busy)}"
             for worker in select.select(busy, [], [], LOOK_EVERY_S)[0]:
                 done.add(worker.finish())
-        yield f"{len(STEPS)} of {len(STEPS)} parts are compiled"
+        yield f"{len(steps)} of {len(steps)} parts are compiled"
     finally:
         for worker in workers:
             worker.end()

@@ -31,7 +31,9 @@ from vision_core.scheduling.checks import TableProblem, problems
 from vision_core.settings.schema import SYNTHETIC, Settings, TaskSettings
 
 COMPILER = "compile"
-"""Process that compiles the kernels once, before the tasks start."""
+"""Process that compiles the kernels of the frame path once, before its tasks start."""
+COMPILER_OF_OTHERS = "compile_others"
+"""Process that compiles all other kernels once, while the frame path runs and before the other tasks start."""
 RESPONDER = "responder"
 """Process that answers clients while the task serve does not run."""
 LOG_READER = "log_reader"
@@ -40,7 +42,7 @@ GIVEN = {**dict.fromkeys(("service", "processes", "selftest"), "supervisor"), "l
 """Records that no task writes, and which process does."""
 SOURCE = "source"
 """Task that plays the camera when the source is no device."""
-RESERVED = (COMPILER, RESPONDER, LOG_READER)
+RESERVED = (COMPILER, COMPILER_OF_OTHERS, RESPONDER, LOG_READER)
 """Processes that run no task of the table."""
 MAX_OWN = 65536
 """Size of a record that a user's own task writes [bytes]."""

@@ -1,10 +1,17 @@
 """Causes of worse service: processes that do not run, and tasks that are switched off."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from app.web.blackboard import ServiceSnapshot
 from app.web.health.cause import Cause, Subject
-from app.web.health.readiness import COMPILER, needed_processes, process_advice, process_of, process_state
+from app.web.health.readiness import (
+    COMPILER,
+    COMPILER_OF_OTHERS,
+    needed_processes,
+    process_advice,
+    process_of,
+    process_state,
+)
 from vision_core.rtdb import records
 from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.process_state import ProcessState
@@ -16,9 +23,11 @@ crashes again before ``hysteresis.RELEASE_S`` has passed, is worth a message."""
 
 def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Cause]:
     """Processes that are disabled or crash again and again, beside those without which nothing is served."""
-    ignored = needed_processes(snapshot) | {COMPILER}
+    ignored = needed_processes(snapshot) | {COMPILER, COMPILER_OF_OTHERS}
     report = snapshot.of(records.PROCESSES)
-    for process in report.value.processes if report else ():
+    processes = report.value.processes if report else ()
+    yield from _still_compiling(processes, snapshot)
+    for process in processes:
         if process.name not in ignored and (process.state is ProcessState.DISABLED or _is_crashing(process)):
             hold_s = RESTART_HOLD_S if _is_crashing(process) else 0.0
             text = f"a part of the service {'keeps crashing' if hold_s else 'has been given up'}"
@@ -37,6 +46,26 @@ def process_degradations(snapshot: ServiceSnapshot) -> Iterator[Cause]:
 def _is_crashing(process: ProcessInfo) -> bool:
     again = process.state is ProcessState.STARTING and process.restarts > 0
     return again or process.state is ProcessState.RESTARTING
+
+
+def _still_compiling(processes: Sequence[ProcessInfo], snapshot: ServiceSnapshot) -> Iterator[Cause]:
+    """Robots are served, and other tasks wait for their kernels."""
+    waiting = [
+        task
+        for process in processes
+        if process.state is ProcessState.WAITING
+        for task in _tasks_of(process.name, snapshot)
+    ]
+    for process in processes:
+        if process.name == COMPILER_OF_OTHERS and process.state is ProcessState.RUNNING:
+            detail = f"{process.detail}; these tasks wait: {', '.join(waiting)}"
+            yield Cause(
+                "compiling others",
+                Subject.SERVICE,
+                "a first start: what explains and watches is still compiled",
+                "Wait some seconds: robots are served already.",
+                detail,
+            )
 
 
 def _tasks_of(process: str, snapshot: ServiceSnapshot) -> tuple[str, ...]:

@@ -12,7 +12,8 @@ from vision_core.rtdb.infos import ProcessInfo
 from vision_core.rtdb.process_state import ProcessState
 from vision_core.rtdb.task import Task
 
-COMPILER = "compile"
+COMPILER, COMPILER_OF_OTHERS = "compile", "compile_others"
+"""The processes that run once: for the frame path, and for everything else while robots are served."""
 MIN_PATIENCE_S = 0.25
 PATIENCE_PERIODS = 3.0
 """An image is old when this many have failed to come, and never before MIN_PATIENCE_S."""
@@ -102,7 +103,7 @@ def _compiling(process: ProcessInfo) -> Cause:
     if process.state in (ProcessState.DISABLED, ProcessState.STOPPED):
         advice = "Read the compiler's error in the log, then start the service again."
         return _cause("compiling failed", f"compiling failed{detail}", advice)
-    return _cause("compiling", f"compiling{detail}", "Wait: a first start compiles for about a minute.")
+    return _cause("compiling", f"compiling{detail}", "Wait: a first start compiles for about half a minute.")
 
 
 def _silence(snapshot: ServiceSnapshot) -> tuple[Cause, ...]:

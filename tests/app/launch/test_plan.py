@@ -52,9 +52,19 @@ def test_every_module_that_is_started_by_name_exists(plan: ServicePlan) -> None:
 
 def test_an_ordinary_process_may_compute_for_long_and_a_real_time_one_may_not(plan: ServicePlan) -> None:
     ordinary = {each.name for each in plan.children if not each.real_time}
-    assert ordinary == {"log_reader", "compile", "responder", "source", "follow", "diagnose", "web"}
+    assert ordinary == {"log_reader", "compile", "compile_others", "responder", "source", "follow", "diagnose", "web"}
     assert child(plan, "diagnose").longest_run_s == ORDINARY_MAX_RUN_S
     assert child(plan, "perceive").longest_run_s == 1.0
+
+
+def test_the_frame_path_waits_for_its_own_kernels_alone(plan: ServicePlan) -> None:
+    after = {each.name: each.after for each in plan.children}
+    assert {name for name, other in after.items() if not other} == {"log_reader", "compile", "responder", "web"}
+    assert {name for name, other in after.items() if other == "compile"} == {
+        *("compile_others", "capture", "source", "perceive", "serve"),
+    }
+    assert after["diagnose"] == after["watch"] == "compile_others"
+    assert [each.name for each in plan.children if each.may_fail] == ["compile_others"]
 
 
 def test_a_process_says_for_a_person_what_its_tasks_do(plan: ServicePlan) -> None:

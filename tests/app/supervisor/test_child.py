@@ -12,7 +12,7 @@ from app.supervisor.plan import ChildPlan
 from vision_core.clock import NS_PER_S
 from vision_core.rtdb.process_state import ProcessState
 
-PLAN = ChildPlan("one", "nothing", (), (), (), after_compile=False, once=False, heartbeat_s=0.3, longest_run_s=1.0)
+PLAN = ChildPlan("one", "nothing", (), (), (), after="", once=False, heartbeat_s=0.3, longest_run_s=1.0)
 REAL_TIME = replace(PLAN, real_time=True)
 
 

@@ -8,7 +8,7 @@ from vision_core.rtdb.layout import RecordSpec
 
 def child(name: str, writes: tuple[str, ...], wakes: tuple[str, ...]) -> ChildPlan:
     return ChildPlan(
-        name=name, module="m", wakes=wakes, writes=writes, sockets=(), after_compile=False, once=False,
+        name=name, module="m", wakes=wakes, writes=writes, sockets=(), after="", once=False,
         heartbeat_s=1.0, longest_run_s=1.0,
     )  # fmt: skip
 

@@ -167,6 +167,14 @@ def test_the_others_wait_for_the_job_that_runs_once() -> None:
 
 
 @pytest.mark.slow
+def test_the_others_are_started_after_a_job_that_may_fail_and_fails() -> None:
+    with service("attempt", "one") as started:
+        table = started.running("one")
+        assert table["attempt"]["state"] == "disabled"
+        assert "attempt ended with exit status 3: those that wait for it start without it" in started.log
+
+
+@pytest.mark.slow
 def test_a_spare_takes_the_place_of_a_killed_process_and_is_replaced_itself() -> None:
     with service("one", "two", "2") as started:
         before = started.running("one", "two", *SPARES)

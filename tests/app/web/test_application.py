@@ -85,7 +85,7 @@ def test_not_ready_while_compiling() -> None:
         "ready": False,
         "reasons": ["compiling: 3 of 7: label pixels"],
         "degraded": [],
-        "advice": ["Wait: a first start compiles for about a minute."],
+        "advice": ["Wait: a first start compiles for about half a minute."],
     }
     assert status["ready"] is False
     assert status["source"] is None

@@ -52,6 +52,15 @@ def test_a_process_that_starts_for_the_first_time_is_no_cause(well: ServiceSnaps
     assert sentences(with_records(well, processes=processes(watch=("starting", "")))) == []
 
 
+def test_what_is_compiled_while_robots_are_served_names_the_tasks_that_wait(well: ServiceSnapshot) -> None:
+    states = {"compile_others": ("running", "0 of 1 parts are compiled"), "diagnose": ("waiting", "")}
+    (sentence,) = sentences(with_records(well, processes=processes(**states)))
+    assert sentence == (
+        "a first start: what explains and watches is still compiled: 0 of 1 parts are compiled;"
+        " these tasks wait: search, diagnose, overlay"
+    )
+
+
 @pytest.mark.parametrize("name", ["source", "capture", "perceive", "serve", "compile"])
 def test_a_needed_process_belongs_to_readiness(well: ServiceSnapshot, name: str) -> None:
     assert sentences(with_records(well, processes=processes(**{name: ("disabled", "")}))) == []
