@@ -119,7 +119,7 @@ class Loop:
     def state(self) -> list[bytes]:
         """All that the next frames depend on, and the order in which the last one was sent."""
         context, rows = self.perception.context, self._deliveries.rows
-        held = [context.held.robots, context.held.size]
+        held = [context.held.robots, context.held.size, context.ball]
         kept = [self.perception.robots, context.expected, *held, context.segment.cursor, self._tracker._state]
         deliveries = [rows[name] for name in rows.dtype.fields or () if name not in ("descriptor", "sent_at")]
         return [array.tobytes() for array in (*kept, *deliveries)]

@@ -53,7 +53,7 @@ def scene_of(drawn: Picture, noise: float = 2.0, seed: int = 1, read: Table | No
 
     def find(finder: RobotFinder) -> Table:
         out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
-        return out[: find_robots(seen, finder, out)]
+        return out[: find_robots(seen, finder, 0, out)]
 
     return Scene(seen, PAINT_TABLE, find, np.zeros(0, dtype=ROBOT) if read is None else read)
 

@@ -93,20 +93,6 @@ def test_a_pattern_without_its_color_classes_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_windows_show_what_the_whole_frame_shows() -> None:
-    """Frame after frame from windows and strip, against each frame judged alone."""
-    clock = ManualClock()
-    camera = SyntheticCamera(SETTINGS, CAMERA, clock, paced=False)
-    pixels = np.empty(CAMERA.shape, dtype=np.uint8)
-    following, alone = Perception(SETTINGS, CAMERA), Perception(SETTINGS, CAMERA)
-    for number in range(1, 61):
-        grabbed = camera.grab(pixels)
-        by_windows = following.perceive(ImageFrame("main", number, grabbed, pixels), clock).record()
-        whole = alone.perceive(ImageFrame("main", number, Instant(0), pixels), clock).record()
-        assert (by_windows.robots, by_windows.balls[:1]) == (whole.robots, whole.balls[:1])
-
-
-@pytest.mark.slow
 def test_a_simulated_match_is_read_without_a_miss(perception: Perception) -> None:
     clock = ManualClock()
     camera = SyntheticCamera(SETTINGS, CAMERA, clock, paced=False)

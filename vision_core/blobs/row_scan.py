@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from vision_core.blobs.bits import Bits, is_masked, is_set, masked_word
 from vision_core.blobs.flood import FLOODED_RUN, OVER_LIMIT, flood
 from vision_core.blobs.run_lengths import RunBuffers, run_buffers, segment_runs
-from vision_core.blobs.simd import LANES, any_class, prefetch, prefilter_mask, write_cells
+from vision_core.blobs.simd import LANES, any_class, prefilter_mask, write_cells
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel
+from vision_core.native.pixel_reads import prefetch
 from vision_core.settings.schema import BlobSettings
 from vision_core.types.color_cells import color_cell
 from vision_core.types.prefilter import ColorPrefilter

@@ -1,4 +1,4 @@
-"""Instructions that Python has no word for, for use inside a ``@kernel``: 64 pixels at once, and prefetching.
+"""Instructions that Python has no word for, for use inside a ``@kernel``: 64 pixels at once.
 
 A compiler turns a loop over bytes into wide instructions only while the values stay bytes, and numba makes them words
 as soon as they are added. So the wide part is written directly in LLVM's instructions, on vectors of 64 bytes, which
@@ -18,7 +18,7 @@ LANES = 64
 """Pixels that one instruction takes."""
 CHAINS = 4
 """Reads that do not wait for each other."""
-BYTE, WORD, LONG, VOID = ir.IntType(8), ir.IntType(32), ir.IntType(64), ir.VoidType()
+BYTE, WORD, LONG = ir.IntType(8), ir.IntType(32), ir.IntType(64)
 BYTES, SHORTS = ir.VectorType(BYTE, LANES), ir.VectorType(ir.IntType(16), LANES)
 
 
@@ -90,20 +90,6 @@ def class_at(_typing: Any, flat: Any, pixel: Any, classes: Any) -> Any:
         return builder.load(builder.gep(table, [cell]))
 
     return machine_types.uint8(flat, pixel, classes), code
-
-
-@intrinsic
-def prefetch(_typing: Any, flat: Any, pixel: Any) -> Any:
-    """Load the memory of a pixel that is needed soon into the cache: (flat, pixel). May lie outside of the picture."""
-
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        data = context.make_array(signature.args[0])(context, builder, values[0]).data
-        at = builder.gep(data, [builder.mul(values[1], ir.Constant(LONG, 3))])
-        fetch = _external(builder, "llvm.prefetch.p0", ir.FunctionType(VOID, [BYTE.as_pointer(), WORD, WORD, WORD]))
-        builder.call(fetch, [at, *(ir.Constant(WORD, how) for how in (0, 3, 1))])  # to read, to keep, data
-        return context.get_dummy_value()
-
-    return machine_types.void(flat, pixel), code
 
 
 def _external(builder: Any, name: str, kind: Any) -> Any:

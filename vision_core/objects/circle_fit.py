@@ -22,14 +22,20 @@ import numpy as np
 
 from vision_core.geometry import Bytes, frozen
 from vision_core.native.kernels import kernel
+from vision_core.native.pixel_reads import word_at
 from vision_core.types.tables import Table
 
 Row: TypeAlias = Any
 """One row of a table."""
 
+BYTE = 255
 SECTORS = 16
-BAND_PX = 1.1
+BAND_PX = 1.35
 """Half the width of the band over the edge: the blur of a sharp lens and the error of a centroid."""
+DEPTHS = 4
+"""Rows of pixels across the band that are read in every sector."""
+SMALL_PX, LARGE_PX = 6.5, 13.0
+"""Radii from which on more pixels are read along the edge of a sector."""
 OUTSIDE_PX = 1.6
 PAPER_INSIDE_PX, SPHERE_INSIDE_PX = 1.55, 0.9
 """Distances from the edge at which the colors outside and inside are taken. Inside: of flat paper, beyond the lens's
@@ -56,9 +62,9 @@ least this share of the first one's light."""
 
 MIN_SECTORS = 5
 MAX_SHIFT_PX = 1.5
-MAX_STEP = 0.8
-"""Limit of an edge's displacement, in half bands: more cannot be measured in the band."""
-EDGE_SD_PX = 0.075
+MAX_STEP_PX = 0.88
+"""Limit of an edge's displacement: more cannot be measured in the band."""
+EDGE_SD_PX = 0.08
 """Expected deviation of a sector's displacement for a radius of one pixel; a longer edge has more pixels."""
 PRIOR_SECTORS = 4.0
 """Sectors that this expectation counts for, beside the measured ones."""
@@ -71,8 +77,11 @@ UNREFINED_SD = 0.05
 SECTOR_BUFFER = np.dtype(
     [
         ("count", np.int64),
+        ("pixel", np.int64, (DEPTHS * SECTORS,)),
+        ("rho", np.float64, (DEPTHS * SECTORS,)),
+        ("word", np.int64, (DEPTHS * SECTORS,)),
         *((name, np.float64, (SECTORS,)) for name in (
-            "pixels", "displacement", "inside_b", "inside_g", "inside_r", "outside_b", "outside_g", "outside_r",
+            "displacement", "inside_b", "inside_g", "inside_r", "outside_b", "outside_g", "outside_r",
             "weight_b", "weight_g", "weight_r", "offset", "used", "continues", "distance",
         )),
     ]
@@ -83,23 +92,12 @@ color continues outside of it (0 or 1), and distance of the outside color from t
 lies side by side for all sectors, so that one instruction takes several; ``count`` is always SECTORS, but the compiler
 makes such instructions only of loops whose length it does not know."""
 
-_ANGLES = (np.arange(SECTORS) + 0.5) * (math.tau / SECTORS)
-_NORMALS = frozen(np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]))
-_TAN_EIGHTH = math.tan(math.pi / 8.0)
-_IN_QUADRANT = ((1, 2), (0, 3))
-_SECTOR_OF = frozen(
-    np.array(
-        [
-            (15 - along if down else along)
-            for nearer in (0, 1)
-            for steep in (0, 1)
-            for down in (0, 1)
-            for left in (0, 1)
-            for along in [7 - _IN_QUADRANT[nearer][steep] if left else _IN_QUADRANT[nearer][steep]]
-        ]
-    )
-)
-"""Sector by the signs of a pixel's offset, see ``_measure_row``."""
+TURNS, MIDDLE = 16, 8
+"""Parts of a sector's angle, and where the middle is."""
+_TURNED = (np.arange(SECTORS) + np.arange(TURNS)[:, None] / TURNS) * (math.tau / SECTORS)
+_ALONG, _ACROSS = frozen(np.cos(_TURNED)), frozen(np.sin(_TURNED))
+_NORMALS = frozen(np.column_stack([_ALONG[MIDDLE], _ACROSS[MIDDLE]]))
+"""Directions of points, shape (TURNS, SECTORS)."""
 
 
 def circle_buffer() -> Table:
@@ -184,22 +182,44 @@ def _find_unmixing(
 @kernel
 def _take_colors(pixels: Bytes, x: float, y: float, radius: float, inside: float, sectors: Row) -> None:
     """Take each sector's color outside of the edge, and its color inside as the mean of two places."""
-    outside = radius + OUTSIDE_PX
     near = max(radius - inside, MIN_RADIUS_SHARE * radius)
     far = max(radius - SECOND_INSIDE * inside, MIN_RADIUS_SHARE * radius)
-    for k in range(SECTORS):
-        c, s = _NORMALS[k, 0], _NORMALS[k, 1]
-        v, u = _pixel_at(pixels, x + outside * c, y + outside * s)
-        j, i = _pixel_at(pixels, x + near * c, y + near * s)
-        m, n = _pixel_at(pixels, x + far * c, y + far * s)
-        sectors.outside_b[k], sectors.outside_g[k], sectors.outside_r[k] = (
-            pixels[v, u, 0],
-            pixels[v, u, 1],
-            pixels[v, u, 2],
-        )
-        sectors.inside_b[k] = 0.5 * (np.float64(pixels[j, i, 0]) + np.float64(pixels[m, n, 0]))
-        sectors.inside_g[k] = 0.5 * (np.float64(pixels[j, i, 1]) + np.float64(pixels[m, n, 1]))
-        sectors.inside_r[k] = 0.5 * (np.float64(pixels[j, i, 2]) + np.float64(pixels[m, n, 2]))
+    _place_ring(pixels, x, y, radius + OUTSIDE_PX, MIDDLE, 0, sectors)
+    _place_ring(pixels, x, y, near, MIDDLE, 1, sectors)
+    _place_ring(pixels, x, y, far, MIDDLE, 2, sectors)
+    _read_rings(pixels, 3, sectors)
+    for k in range(sectors.count):
+        outer, near_word, far_word = sectors.word[k], sectors.word[SECTORS + k], sectors.word[2 * SECTORS + k]
+        sectors.outside_b[k], sectors.outside_g[k] = outer & BYTE, outer >> 8 & BYTE
+        sectors.outside_r[k] = outer >> 16 & BYTE
+        sectors.inside_b[k] = 0.5 * ((near_word & BYTE) + (far_word & BYTE))
+        sectors.inside_g[k] = 0.5 * ((near_word >> 8 & BYTE) + (far_word >> 8 & BYTE))
+        sectors.inside_r[k] = 0.5 * ((near_word >> 16 & BYTE) + (far_word >> 16 & BYTE))
+
+
+@kernel
+def _place_ring(pixels: Bytes, x: float, y: float, reach: float, turn: int, ring: int, sectors: Row) -> None:
+    """Choose the pixel of every sector that is nearest to a point at a distance from the center.
+
+    turn: the point's direction, in parts of the sector; ring: which of the sectors' pixels it is to be.
+    """
+    height, width, _ = pixels.shape
+    right, bottom = width - 2.0, height - 1.0
+    # unsigned indices: numba would test every signed one for counting from the end
+    row, first = np.uintp(turn), np.uintp(ring * SECTORS)
+    for k in range(np.uintp(sectors.count)):
+        u = min(max(np.floor(x + reach * _ALONG[row, k] + 0.5), 0.0), right)
+        v = min(max(np.floor(y + reach * _ACROSS[row, k] + 0.5), 0.0), bottom)
+        sectors.rho[first + k] = math.sqrt((u - x) * (u - x) + (v - y) * (v - y))
+        sectors.pixel[first + k] = np.int64(v) * width + np.int64(u)
+
+
+@kernel
+def _read_rings(pixels: Bytes, rings: int, sectors: Row) -> None:
+    """Read the chosen pixels, apart from what is computed of them, which then is done for many at once."""
+    flat = pixels.reshape(-1)
+    for k in range(rings * SECTORS):
+        sectors.word[k] = word_at(flat, sectors.pixel[k])
 
 
 @kernel
@@ -221,87 +241,64 @@ def _pixel_at(pixels: Bytes, x: float, y: float) -> tuple[int, int]:
 @kernel
 def _background(sectors: Row) -> tuple[float, float, float]:
     """The background: mean of the outside colors that are close to the most central one."""
-    # sum of each outside color's distances to all others
+    # sum of each outside color's distances to every second one
     count = sectors.count
     for j in range(count):
         sectors.distance[j] = 0.0
-    for k in range(count):
+    for k in range(0, count, 2):
         blue, green, red = sectors.outside_b[k], sectors.outside_g[k], sectors.outside_r[k]
         for j in range(count):
             off = abs(blue - sectors.outside_b[j]) + abs(green - sectors.outside_g[j])
             sectors.distance[j] += off + abs(red - sectors.outside_r[j])
-    central = 0
+    central, least = 0, sectors.distance[0]
     for k in range(1, SECTORS):
-        if sectors.distance[k] < sectors.distance[central]:
-            central = k
-    alike = blue = green = red = 0.0
+        if sectors.distance[k] < least:
+            central, least = k, sectors.distance[k]
+    blue, green, red = sectors.outside_b[central], sectors.outside_g[central], sectors.outside_r[central]
+    alike = sum_b = sum_g = sum_r = 0.0
     for j in range(SECTORS):
-        if _difference(sectors, central, j) < SAME_BACKGROUND:
-            alike += 1.0
-            blue += sectors.outside_b[j]
-            green += sectors.outside_g[j]
-            red += sectors.outside_r[j]
-    return blue / alike, green / alike, red / alike
-
-
-@kernel
-def _difference(sectors: Row, k: int, j: int) -> float:
-    """Sum of the channels' differences between two sectors' outside colors."""
-    blue, green = abs(sectors.outside_b[k] - sectors.outside_b[j]), abs(sectors.outside_g[k] - sectors.outside_g[j])
-    return float(blue + green + abs(sectors.outside_r[k] - sectors.outside_r[j]))
+        b, g, r = sectors.outside_b[j], sectors.outside_g[j], sectors.outside_r[j]
+        w = 1.0 if abs(b - blue) + abs(g - green) + abs(r - red) < SAME_BACKGROUND else 0.0
+        alike, sum_b, sum_g, sum_r = alike + w, sum_b + w * b, sum_g + w * g, sum_r + w * r
+    return sum_b / alike, sum_g / alike, sum_r / alike
 
 
 @kernel
 def _measure_edge(pixels: Bytes, x: float, y: float, radius: float, sectors: Row) -> None:
-    """Measure how far the edge lies outside of the expected circle in every sector [px]."""
-    height, width, _ = pixels.shape
-    for k in range(SECTORS):
-        sectors.pixels[k] = sectors.displacement[k] = 0.0
-    # in each row of pixels the band is one piece, or two with the circle's inside between them
-    outer, inner = radius + BAND_PX, max(radius - BAND_PX, 0.0)
-    for v in range(max(math.ceil(y - outer), 0), min(int(y + outer) + 1, height)):
-        dy = v - y
-        reach = math.sqrt(max(outer * outer - dy * dy, 0.0))
-        hole = math.sqrt(max(inner * inner - dy * dy, 0.0))
-        first, after = max(math.ceil(x - reach), 0), min(int(x + reach) + 1, width)
-        hole_first = max(math.floor(x - hole) + 1, first)
-        hole_after = max(math.ceil(x + hole), hole_first)
-        _measure_row(pixels, v, first, min(hole_first, after), x, dy, radius, sectors)
-        _measure_row(pixels, v, hole_after, after, x, dy, radius, sectors)
-    # mean surplus of coverage times the band's width is the displacement
-    for k in range(SECTORS):
-        sectors.displacement[k] *= 2.0 * BAND_PX / max(sectors.pixels[k], 1.0)
-        if sectors.pixels[k] < 2.0 or abs(sectors.displacement[k]) > MAX_STEP * BAND_PX:
-            beyond = sectors.used[k] * (sectors.displacement[k] > 0.0)
-            sectors.continues[k] = max(sectors.continues[k], beyond)
-            sectors.used[k] = 0.0
+    """Measure how far the edge lies outside of the expected circle in every sector [px].
 
-
-@kernel
-def _measure_row(
-    pixels: Bytes, v: int, first: int, after: int, x: float, dy: float, radius: float, sectors: Row
-) -> None:  # fmt: skip
-    """Add up the surplus coverage of the pixels first..after, exclusive, of a row.
-
-    The sector of a pixel follows from signs and comparisons, without a branch.
+    The pixels are those next to points spread over the band, about a pixel apart: DEPTHS rings of them, in so many
+    places along the edge of every sector. The pixel's place, not the point's, says what coverage is expected.
     """
-    row, along = np.uintp(v), abs(dy)
-    for u in range(first, after):
-        dx = u - x
-        across = abs(dx)
-        nearer = min(across, along) < _TAN_EIGHTH * max(across, along)  # to an axis than to a diagonal
-        k = np.uintp(_SECTOR_OF[np.uintp((dx < 0.0) + 2 * (dy < 0.0) + 4 * (along > across) + 8 * nearer)])
-        at = np.uintp(u)
-        coverage = (
-            sectors.offset[k]
-            + sectors.weight_b[k] * pixels[row, at, 0]
-            + sectors.weight_g[k] * pixels[row, at, 1]
-            + sectors.weight_r[k] * pixels[row, at, 2]
-        )
-        rho = math.sqrt(dx * dx + dy * dy)
-        expected = min(max(0.5 + (radius - rho) * (1.0 / RAMP_PX), 0.0), 1.0)
-        sectors.pixels[k] += 1.0
-        sectors.displacement[k] += min(max(coverage, -0.1), 1.1) - expected
+    count = sectors.count
+    for k in range(count):
+        sectors.displacement[k] = 0.0
+    places = 2 if radius < SMALL_PX else 4 if radius < LARGE_PX else 8
+    for place in range(places):
+        turn = (2 * place + 1) * (TURNS // (2 * places))
+        for depth in range(DEPTHS):
+            # in every other place the rings lie half their distance farther out
+            reach = radius + BAND_PX * ((2.0 * depth + 0.5 + place % 2) / DEPTHS - 1.0)
+            _place_ring(pixels, x, y, reach, turn, depth, sectors)
+        _read_rings(pixels, DEPTHS, sectors)
+        for depth in range(DEPTHS):
+            for k in range(count):
+                word = sectors.word[depth * SECTORS + k]
+                coverage = (
+                    sectors.offset[k]
+                    + sectors.weight_b[k] * (word & BYTE)
+                    + sectors.weight_g[k] * (word >> 8 & BYTE)
+                    + sectors.weight_r[k] * (word >> 16 & BYTE)
+                )
+                expected = min(max(0.5 + (radius - sectors.rho[depth * SECTORS + k]) * (1.0 / RAMP_PX), 0.0), 1.0)
+                sectors.displacement[k] += min(max(coverage, -0.1), 1.1) - expected
+    # mean surplus of coverage times the band's width is the displacement
+    for k in range(count):
+        sectors.displacement[k] *= 2.0 * BAND_PX / (places * DEPTHS)
+        is_beyond = abs(sectors.displacement[k]) > MAX_STEP_PX
+        beyond = sectors.used[k] * is_beyond * (sectors.displacement[k] > 0.0)
+        sectors.continues[k] = max(sectors.continues[k], beyond)
+        sectors.used[k] *= not is_beyond
 
 
 @kernel

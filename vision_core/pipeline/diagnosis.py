@@ -104,6 +104,7 @@ def scene_of(perception: Perception) -> Scene:
         searched=perception.table.classes,
         prefilter=prefilter_from(perception.table),
         expected=np.zeros_like(perception.context.expected),
+        ball=np.zeros_like(perception.context.ball),
         held=held_robots(),
     )
     blobs, seen = np.zeros_like(perception.blobs), SightingsTable()

@@ -1,10 +1,12 @@
 """The second to fourth stage combined: a frame in, sightings out, in one compiled call.
 
-The positions of robots and ball in the last frame tell where to search: in windows around them, and in a band of
-rows that moves over the picture, so that new objects are found. When fewer robots than expected are found, or no ball,
-the whole frame is searched at once, in the same call.
+Robots that were read in the last frame are verified where they should be now. The rest of that frame tells where to
+search: in windows around the other robots and the ball, and in a band of rows that moves over the picture, so that new
+objects are found. When fewer robots than expected are found, or no ball, the whole frame is searched at once, in the
+same call.
 """
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cached_property
@@ -31,7 +33,8 @@ from vision_core.objects.observation import Observation
 from vision_core.objects.robots.confirmation import confirm_robots
 from vision_core.objects.robots.confirmation_buffers import shapes_from
 from vision_core.objects.robots.finder import RobotFinder, find_robots, robot_finder
-from vision_core.objects.robots.held import HeldRobots, follow_robots, held_robots, hold_read
+from vision_core.objects.robots.held import NO_ROW, HeldRobots, held_robots, hold_read, move_robots, row_of
+from vision_core.objects.robots.verification import verify_robots
 from vision_core.patterns.geometry import width_mm
 from vision_core.patterns.pattern import CODE, TEAM, Pattern
 from vision_core.patterns.worn import worn_patterns
@@ -45,8 +48,11 @@ from vision_core.types.tables import BLOB, MAX_BALLS, MAX_ROBOTS, TEAMS, Sightin
 Row: TypeAlias = Any
 """One row of a table in a kernel: its fields are attributes."""
 
-MAX_ROBOT_M_S, MAX_BALL_M_S = 4.0, 10.0
-"""Highest speeds: they determine the size of the windows."""
+MAX_ROBOT_M_S = 4.0
+"""Highest speed: it determines the size of the windows around robots."""
+BALL_MARGIN_M, BALL_CHANGE = 0.04, 0.5
+"""How far a ball may be off the place where its speed takes it, and by which share of its way in addition. A ball that
+is kicked leaves its window, and the whole frame is searched for it."""
 MAX_GAP_S = 0.1
 """After a longer gap the whole frame is searched."""
 ALONE = -1.0
@@ -58,6 +64,9 @@ BALL_KIND = 2
 
 EXPECTED = np.dtype([("robots", np.int64), ("missed_frames", np.int64)])
 """How many robots are expected in a frame, and in how many frames in a row fewer were found."""
+
+FOLLOWED_BALL = np.dtype([(name, np.float64) for name in ("x_m", "y_m", "x_m_s", "y_m_s")])
+"""The first ball of the last frame, and its speed; nan: there was none."""
 
 
 class PerceptionContext(NamedTuple):
@@ -81,6 +90,8 @@ class PerceptionContext(NamedTuple):
     """Scratch: left, top, right, bottom of each window [px], shape (MAX_ROBOTS + MAX_BALLS, 4)."""
     expected: Table
     """EXPECTED, shape (1,)."""
+    ball: Table
+    """FOLLOWED_BALL, shape (1,)."""
 
 
 @kernel
@@ -93,12 +104,17 @@ def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, se
     """
     context: PerceptionContext = boxed.value
     frame, expected = seen[0], context.expected[0]
+    move_robots(context.held, gap_s)
+    known = int(np.int64(0))
+    if 0.0 <= gap_s <= MAX_GAP_S:
+        observation = Observation(blobs, 0, pixels, context.classes, context.camera)
+        known = verify_robots(observation, context.robots, context.held)
     # Windows only after a complete frame, a short time ago.
     follows = 0.0 <= gap_s <= MAX_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= expected.robots
-    windows = _place_windows(frame, gap_s, context) if follows else 0
+    windows = _place_windows(frame, known, gap_s, context) if follows else 0
     whole, count = not follows, 0
     while True:
-        count = _find(pixels, windows, whole, context, blobs, frame)
+        count = _find(pixels, known, windows, whole, context, blobs, frame)
         if whole or (frame.counts[1] > 0 and frame.counts[0] >= expected.robots):
             break
         whole = True
@@ -107,7 +123,8 @@ def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, se
         expected.robots, expected.missed_frames = frame.counts[0], 0
     else:
         expected.missed_frames += 1
-    return count, follow_robots(context.held, gap_s, frame.robots, frame.counts[0])
+    _follow_ball(context.ball[0], frame, gap_s)
+    return count, hold_read(context.held, gap_s, frame.robots, frame.counts[0])
 
 
 @kernel
@@ -129,36 +146,80 @@ def confirm_picture(
 
 
 @kernel
-def _find(pixels: Bytes, windows: int, whole: bool, context: PerceptionContext, blobs: Table, frame: Row) -> int:
-    """Search a frame, in its first windows and the band, or whole; returns the number of blobs."""
+def _find(
+    pixels: Bytes, known: int, windows: int, whole: bool, context: PerceptionContext, blobs: Table, frame: Row
+) -> int:  # fmt: skip
+    """Search a frame, in its first windows and the band, or whole; returns the number of blobs.
+
+    known: how many robots are verified; their blobs are left out.
+    """
     count, complete = segment_picture(
         pixels, context.searched, context.prefilter, context.windows, windows, whole, context.segment, blobs
     )
+    count = _drop_known(blobs, count, known, context)
     observation = Observation(blobs, count, pixels, context.classes, context.camera)
-    robots = find_robots(observation, context.robots, frame.robots)
+    robots = find_robots(observation, context.robots, known, frame.robots)
     balls = find_balls(observation, frame.robots, robots, context.balls, frame.balls)
     frame.complete, frame.counts[0], frame.counts[1] = complete, robots, balls
     return count
 
 
 @kernel
-def _place_windows(frame: Row, gap_s: float, context: PerceptionContext) -> int:
-    """Put a window around everything in the last frame, as large as it can have moved; returns how many there are."""
-    robots, balls = frame.counts[0], frame.counts[1]
+def _drop_known(blobs: Table, count: int, known: int, context: PerceptionContext) -> int:
+    """Drop the blobs on robots that are verified, but for those of the ball's color; returns how many are left."""
+    kept, found, radii_px2 = 0, context.robots.buffers.found, context.robots.buffers.known_px2
+    for one in range(count):
+        blob, is_known = blobs[one], False
+        for robot in range(known):
+            dx, dy = blob.x_px - found[robot].x_px, blob.y_px - found[robot].y_px
+            is_known |= dx * dx + dy * dy < radii_px2[robot]
+        if not is_known or blob.color == context.balls.color:
+            blobs[kept] = blobs[one]
+            kept += 1
+    return kept
+
+
+@kernel
+def _follow_ball(ball: Row, frame: Row, gap_s: float) -> None:
+    """Note the first ball of a frame and its speed since the last one. ball: a row of FOLLOWED_BALL."""
+    if frame.counts[1] == 0:
+        ball.x_m = ball.y_m = ball.x_m_s = ball.y_m_s = np.nan
+        return
+    x_m, y_m = frame.balls[0].x_m, frame.balls[0].y_m
+    ball.x_m_s = ball.y_m_s = 0.0
+    if 0.0 < gap_s <= MAX_GAP_S and not np.isnan(ball.x_m):
+        ball.x_m_s, ball.y_m_s = (x_m - ball.x_m) / gap_s, (y_m - ball.y_m) / gap_s
+    ball.x_m, ball.y_m = x_m, y_m
+
+
+@kernel
+def _place_windows(frame: Row, known: int, gap_s: float, context: PerceptionContext) -> int:
+    """Put a window around everything in the last frame that is not verified, as large as it can have moved.
+
+    Returns how many there are. known: how many robots are verified.
+    """
+    robots, balls, found, count = frame.counts[0], frame.counts[1], context.robots.buffers.found, 0
+    ball = context.ball[0]
     for k in range(robots + balls):
         if k < robots:
             kind, x_m, y_m = frame.robots[k].team, frame.robots[k].x_m, frame.robots[k].y_m
+            if row_of(found, known, kind, frame.robots[k].id) != NO_ROW:
+                continue
+            margin_m = gap_s * MAX_ROBOT_M_S
         else:
             kind, x_m, y_m = BALL_KIND, frame.balls[k - robots].x_m, frame.balls[k - robots].y_m
+            margin_m = BALL_MARGIN_M
+            if k == robots:
+                dx, dy = gap_s * ball.x_m_s, gap_s * ball.y_m_s
+                x_m, y_m, margin_m = x_m + dx, y_m + dy, margin_m + BALL_CHANGE * math.hypot(dx, dy)
         height_m = context.heights_m[kind]
         x, y = pixel_from_field(context.camera, x_m, y_m, height_m)
         scale = np.sqrt(pixels_per_square_metre(context.camera, x_m, y_m, height_m))
-        speed_m_s = MAX_BALL_M_S if kind == BALL_KIND else MAX_ROBOT_M_S
-        reach = scale * (context.radii_m[kind] + gap_s * speed_m_s)
-        window = context.windows[k]
+        reach = scale * (context.radii_m[kind] + margin_m)
+        window = context.windows[count]
+        count += 1
         window[0], window[1] = np.int32(x - reach), np.int32(y - reach)
         window[2], window[3] = np.int32(x + reach), np.int32(y + reach)
-    count: int = robots + balls
     return count
 
 
@@ -207,7 +268,9 @@ class Perception:
         self._last = Instant(0)
         self._gap_s = ALONE
         held, cursor = self.context.held, self.context.segment.cursor
-        self._rewind = Rewind([self._seen.whole, self.context.expected, held.robots, held.size, cursor])
+        self._rewind = Rewind(
+            [self._seen.whole, self.context.expected, self.context.ball, held.robots, held.size, cursor]
+        )
 
     @cached_property
     def _boxed(self) -> Boxed:
@@ -344,6 +407,7 @@ class Perception:
             radii_m=np.array([*(2.0**0.5 * shape.radius_m for shape in shapes), radius]),
             windows=np.zeros((MAX_ROBOTS + MAX_BALLS, 4), dtype=np.int32),
             expected=np.zeros(1, dtype=EXPECTED),
+            ball=np.full(1, np.nan, dtype=FOLLOWED_BALL),
         )
 
     def _smallest_px(self, patterns: Iterable[Pattern]) -> float:

@@ -18,6 +18,7 @@ from vision_core.net.delivery import Batch, DeliveryTable
 from vision_core.objects.ball.finder import find_balls
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.finder import find_robots
+from vision_core.objects.robots.verification import verify_robots
 from vision_core.pipeline.diagnosis import reasons_of
 from vision_core.pipeline.overlay import OverlayMaker
 from vision_core.pipeline.perception import Perception
@@ -99,7 +100,13 @@ def compile_blobs(settings: Settings) -> None:
 def compile_robots(settings: Settings) -> None:
     """Compile the finder of robots for ``perceive_picture``."""
     stage, seen, sightings = _finder_inputs(settings)
-    compile_for_kernels(find_robots, seen, stage.context.robots, field_type(sightings, "robots"))
+    compile_for_kernels(find_robots, seen, stage.context.robots, 0, field_type(sightings, "robots"))
+
+
+def compile_verification(settings: Settings) -> None:
+    """Compile what verifies known robots for ``perceive_picture``."""
+    stage, seen, _ = _finder_inputs(settings)
+    compile_for_kernels(verify_robots, seen, stage.context.robots, stage.context.held)
 
 
 def compile_balls(settings: Settings) -> None:
@@ -140,6 +147,7 @@ def _finder_inputs(settings: Settings) -> tuple[Perception, Observation, Table]:
 COMPILERS = {
     "robots": compile_robots,
     "blobs": compile_blobs,
+    "verification": compile_verification,
     "balls": compile_balls,
     "arguments": box_arguments,
     "confirmation": confirm,

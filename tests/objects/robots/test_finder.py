@@ -218,14 +218,14 @@ def test_a_cloth_of_dots_gives_no_more_robots_than_there_is_room_for() -> None:
     out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
     for seed in range(3):
         blobs = cloth_of_dots(2000, seed)
-        count = find_robots(Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera), FINDER, out)
+        count = find_robots(Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera), FINDER, 0, out)
         assert 0 < count <= MAX_ROBOTS
         robots = out[:count]
         keys = [(robot["team"], np.inf if robot["id"] == NO_ID else robot["id"], robot["x_m"]) for robot in robots]
         assert keys == sorted(keys)
         apart = np.hypot(*(robots[axis][:, None] - robots[axis] for axis in ("x_m", "y_m")))
         assert apart[~np.eye(count, dtype=bool)].min() > 0.12
-    assert find_robots(Observation(blobs, 0, pixels, PAINT_TABLE.classes, camera), FINDER, out) == 0
+    assert find_robots(Observation(blobs, 0, pixels, PAINT_TABLE.classes, camera), FINDER, 0, out) == 0
 
 
 def test_one_signature_serves_all_patterns() -> None:

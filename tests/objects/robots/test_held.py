@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vision_core.objects.robots.held import MAX_MISSED, HeldRobots, follow_robots, held_robots, hold_read
+from vision_core.objects.robots.held import MAX_MISSED, HeldRobots, held_robots, hold_read, move_robots
 from vision_core.types.tables import MAX_ROBOTS, NO_ID, ROBOT, Table
 
 GAP_S = 0.02
@@ -21,7 +21,8 @@ def robots_of(*robots: tuple[int, int, float, float]) -> Table:
 
 
 def follow(held: HeldRobots, *robots: tuple[int, int, float, float], gap_s: float = GAP_S) -> bool:
-    return follow_robots(held, gap_s, robots_of(*robots), len(robots))
+    move_robots(held, gap_s)
+    return hold_read(held, gap_s, robots_of(*robots), len(robots))
 
 
 def places(held: HeldRobots) -> list[tuple[float, float]]:

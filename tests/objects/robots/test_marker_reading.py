@@ -44,7 +44,7 @@ def found_without(drawn: Picture, place_m: np.ndarray, pixels: Bytes | None = No
     pixels = drawn.as_bytes() if pixels is None else pixels
     seen = Observation(blobs, len(blobs), pixels, PAINT_TABLE.classes, camera_map_from(drawn.camera))
     out = np.zeros(MAX_ROBOTS, dtype=ROBOT)
-    return out[: find_robots(seen, FINDER, out)]
+    return out[: find_robots(seen, FINDER, 0, out)]
 
 
 @pytest.mark.parametrize("marker", sorted(SSL.code_by_id))

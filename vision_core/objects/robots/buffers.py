@@ -53,6 +53,15 @@ NEIGHBOR = np.dtype(
 """A blob near an anchor: its place relative to the anchor, its area's score for each slot, 0..1 (0: it cannot fill the
 slot), and its row in the table of blobs."""
 
+PREDICTED = np.dtype(
+    [
+        *((name, np.float64) for name in ("ahead_x", "ahead_y", "left_x", "left_y", "px_m")),
+        *((name, np.float64, (1 + MAX_SLOTS,)) for name in ("x_m", "y_m", "x_px", "y_px")),
+    ]
+)  # fmt: skip
+"""Where a known robot should be in the picture: how far a metre ahead and one to its left reach, and one in any
+direction on average [px/m], and the places of its patches on the plane of the markers [m] and in the picture [px]."""
+
 
 class Gates(NamedTuple):
     """The limits of what is accepted, from the settings."""
@@ -104,6 +113,12 @@ class FinderBuffers(NamedTuple):
     """Whether a robot's blobs do not tell its id for sure, shape (64,)."""
     centers: Floats
     """x, y [m] and weight [1/m^2] of a robot's patches, the anchor first; weight 0: not seen. Shape (9, 3)."""
+    predicted: Table
+    """Two known robots, the next one and the one that is measured: PREDICTED, shape (2,)."""
+    known_px2: Floats
+    """Squared radius of each verified robot in the picture, shape (64,)."""
+    crossed: Floats
+    """Its patches as they are found there: x, y [px] and area [px^2], later the deviation [px]; shape (9, 3)."""
     circle: Floats
     """Of ``circle_buffer``."""
     patches: Floats
@@ -132,6 +147,9 @@ def finder_buffers(max_blobs: int, markers: int) -> FinderBuffers:
         alike=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         unsure=np.zeros(MAX_ROBOTS, dtype=np.bool_),
         centers=np.zeros((1 + MAX_SLOTS, 3)),
+        known_px2=np.zeros(MAX_ROBOTS),
+        predicted=np.zeros(2, dtype=PREDICTED),
+        crossed=np.zeros((1 + MAX_SLOTS, 3)),
         circle=circle_buffer(),
         patches=np.zeros((MAX_ROBOTS, 1 + MAX_SLOTS, PATCH_COLUMNS)),
         learned=np.zeros((256, 6)),

@@ -30,7 +30,7 @@ from vision_core.objects.robots.finder import RobotFinder, order_robots
 from vision_core.objects.robots.held import NO_ROW, HeldRobots, is_read, row_of
 from vision_core.objects.robots.marker_reading import energy_of, is_doubtful, learn_references, measure_patches
 from vision_core.objects.robots.marker_shape import LAST_STEP, Scene, fit_marker
-from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.markers import Marker, marker_with
 from vision_core.objects.robots.paint_residual import VEILS, X, Y
 from vision_core.types.colors import DARK_LEVEL
 from vision_core.types.tables import MAX_ROBOTS, NO_ID, Table
@@ -229,14 +229,3 @@ def _add(seen: Observation, finder: RobotFinder, shapes: Shapes, count: int) -> 
         return count
     found[place] = robot
     return max(count, place + 1)
-
-
-@kernel
-def marker_with(markers: tuple[Marker, ...], team: int, number: int) -> int:
-    """The marker that a team's robot with an id wears."""
-    for one in range(len(markers)):
-        if markers[one].team == team:
-            for row in range(len(markers[one].ids)):
-                if markers[one].ids[row] == number:
-                    return one
-    return 0

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -21,13 +21,16 @@ from vision_core.objects.robots.marker_reading import (
     read_marker,
 )
 from vision_core.objects.robots.marker_weighing import weigh_hypotheses
-from vision_core.objects.robots.markers import Marker, marker_of
+from vision_core.objects.robots.markers import Marker, marker_of, marker_with
 from vision_core.objects.robots.pose_refinement import refine_pose
 from vision_core.patterns.pattern import Pattern
 from vision_core.patterns.worn import colors_of, patterns_by_team
 from vision_core.settings.schema import Settings
 from vision_core.types.colors import ColorTable
-from vision_core.types.tables import NO_ID, TEAMS, Table
+from vision_core.types.tables import MAX_ROBOTS, NO_ID, TEAMS, Table
+
+Row: TypeAlias = Any
+"""One row of a table."""
 
 
 class RobotFinder(NamedTuple):
@@ -75,10 +78,11 @@ def gates_from(settings: Settings) -> Gates:
 
 
 @kernel
-def find_robots(seen: Observation, finder: RobotFinder, robots: Table) -> int:
+def find_robots(seen: Observation, finder: RobotFinder, known: int, robots: Table) -> int:
     """Fill a table with the robots that a frame shows, ordered by team and id; how many there are.
 
-    robots: ROBOT table with room for MAX_ROBOTS. (x_m, y_m) is the robot's center.
+    known: robots that were verified, the first rows of ``buffers.found``; no blob is theirs. robots: ROBOT table with
+    room for MAX_ROBOTS. (x_m, y_m) is the robot's center.
     """
     markers, gates, buffers = finder.markers, finder.gates, finder.buffers
     # hypotheses of both teams compete for the blobs
@@ -88,60 +92,67 @@ def find_robots(seen: Observation, finder: RobotFinder, robots: Table) -> int:
         count = generate_hypotheses(seen, listed, marker, gates, buffers, count)
     if len(markers) > len(TEAMS):
         weigh_hypotheses(seen, markers, buffers, count)
-    selected = select_non_overlapping(count, buffers)
+    selected = min(select_non_overlapping(count, buffers), MAX_ROBOTS - known)
     for number in range(selected):
         hypothesis = buffers.hypotheses[buffers.selected[number]]
         refine_pose(
             seen, markers[hypothesis.marker], gates, buffers, hypothesis, buffers.ambiguous[number],
-            buffers.found[number],
+            buffers.found[known + number],
         )  # fmt: skip
         if buffers.alike[number]:
-            buffers.found[number].id = NO_ID
-    _read_markers(seen, markers, buffers, selected)
-    order_robots(buffers.found, selected, robots)
-    return selected
+            buffers.found[known + number].id = NO_ID
+    _read_markers(seen, markers, buffers, known, selected)
+    order_robots(buffers.found, known + selected, robots)
+    return known + selected
 
 
 @kernel
-def _read_markers(seen: Observation, markers: tuple[Marker, ...], buffers: FinderBuffers, count: int) -> None:
+def _read_markers(
+    seen: Observation, markers: tuple[Marker, ...], buffers: FinderBuffers, known: int, selected: int
+) -> None:  # fmt: skip
     """Ids of robots that their blobs do not tell for sure: those read already show what the paints look like.
 
     Where the blobs tell all ids, the usual frame, nothing is measured.
     """
-    if not _is_one_unsure(seen, markers, buffers, count):
+    if not _is_one_unsure(seen, markers, buffers, known, selected):
         return
     found, patches, learned = buffers.found, buffers.patches, buffers.learned
     learned[:] = 0.0
-    for one in range(count):
-        hypothesis = buffers.hypotheses[buffers.selected[one]]
+    for one in range(known):
+        marker = markers[marker_with(markers, found[one].team, found[one].id)]
+        measure_patches(seen, marker, found[one], patches[one])
+        learn_references(marker, found[one].id, patches[one], learned)
+    for number in range(selected):
+        one, hypothesis = known + number, buffers.hypotheses[buffers.selected[number]]
         marker = markers[hypothesis.marker]
         buffers.unsure[one] = False
-        if not marker.has_code or math.isnan(found[one].heading_rad) or buffers.alike[one]:
+        if not marker.has_code or math.isnan(found[one].heading_rad) or buffers.alike[number]:
             continue
         measure_patches(seen, marker, found[one], patches[one])
         buffers.unsure[one] = found[one].id == NO_ID or is_doubtful(marker, patches[one])
         if not buffers.unsure[one]:
             learn_references(marker, found[one].id, patches[one], learned)
-    for one in range(count):
+    for number in range(selected):
+        one = known + number
         if buffers.unsure[one]:
-            hypothesis = buffers.hypotheses[buffers.selected[one]]
+            hypothesis = buffers.hypotheses[buffers.selected[number]]
             marker = markers[hypothesis.marker]
-            number, certainty = read_marker(marker, hypothesis, patches[one], learned, found[one].id)
-            if number != found[one].id:
-                found[one].id = NO_ID if _is_taken(found, count, one, number) else number
+            read, certainty = read_marker(marker, hypothesis, patches[one], learned, found[one].id)
+            if read != found[one].id:
+                found[one].id = NO_ID if _is_taken(found, known + selected, one, read) else read
                 found[one].confidence *= certainty
 
 
 @kernel
 def _is_one_unsure(
-    seen: Observation, markers: tuple[Marker, ...], buffers: FinderBuffers, count: int
+    seen: Observation, markers: tuple[Marker, ...], buffers: FinderBuffers, known: int, selected: int
 ) -> bool:  # fmt: skip
     """Has a robot with a heading no id, or a patch whose middle has two saturated channels?"""
-    for one in range(count):
-        robot = buffers.found[one]
-        hypothesis = buffers.hypotheses[buffers.selected[one]]
+    for number in range(selected):
+        robot = buffers.found[known + number]
+        hypothesis = buffers.hypotheses[buffers.selected[number]]
         marker = markers[hypothesis.marker]
-        if not marker.has_code or math.isnan(robot.heading_rad) or buffers.alike[one]:
+        if not marker.has_code or math.isnan(robot.heading_rad) or buffers.alike[number]:
             continue
         if robot.id == NO_ID:
             return True
@@ -164,32 +175,22 @@ def _is_taken(found: Table, count: int, one: int, number: int) -> bool:
 def order_robots(found: Table, count: int, robots: Table) -> None:
     """Copy robots in order. Two robots of a team with the same id cannot be told apart: both lose it."""
     for one in range(count):
-        place = 0
-        for other in range(count):
-            if other != one and _comes_before(found, count, other, one):
-                place += 1
-        robots[place] = found[one]
-        robots[place].id = _unique_id(found, count, one)
+        robot, number = found[one], int(found[one].id)
+        if _is_taken(found, count, one, number):
+            number = NO_ID
+        place = one
+        while place > 0 and _comes_before(robot, number, robots[place - 1]):
+            robots[place] = robots[place - 1]
+            place -= 1
+        robots[place] = robot
+        robots[place].id = number
 
 
 @kernel
-def _unique_id(found: Table, count: int, one: int) -> int:
-    """A robot's id, or NO_ID if another robot of its team has the same."""
-    number: int = found[one].id
-    for other in range(count):
-        if other != one and found[other].team == found[one].team and found[other].id == number:
-            return NO_ID
-    return number
-
-
-@kernel
-def _comes_before(found: Table, count: int, one: int, other: int) -> bool:
-    """Order by team, then by id with unknown ids last, then by x."""
-    if found[one].team != found[other].team:
-        return bool(found[one].team < found[other].team)
-    first, second = _unique_id(found, count, one), _unique_id(found, count, other)
-    if first != second:
-        return second == NO_ID or (first != NO_ID and first < second)
-    if found[one].x_m != found[other].x_m:
-        return bool(found[one].x_m < found[other].x_m)
-    return one < other
+def _comes_before(robot: Row, number: int, other: Row) -> bool:
+    """Order by team, then by id with unknown ids last, then by x. number: the robot's id."""
+    if robot.team != other.team:
+        return bool(robot.team < other.team)
+    if number != other.id:
+        return bool(other.id == NO_ID or (number != NO_ID and number < other.id))
+    return bool(robot.x_m < other.x_m)

@@ -44,10 +44,10 @@ def held_robots() -> HeldRobots:
 
 
 @kernel
-def follow_robots(held: HeldRobots, gap_s: float, robots: Table, count: int) -> bool:
-    """Hold the robots of a frame, and those of the last ones where they should be by now; is one of these missing?
+def move_robots(held: HeldRobots, gap_s: float) -> None:
+    """Move the robots of the last frames to where they should be by now; they are missing until they are read.
 
-    gap_s: since the last frame, negative for a picture without relation to it; robots: ROBOT.
+    gap_s: since the last frame, negative for a picture without relation to it: no robot is held any longer.
     """
     kept = 0
     for number in range(held.size[0] if gap_s >= 0.0 else 0):
@@ -56,12 +56,14 @@ def follow_robots(held: HeldRobots, gap_s: float, robots: Table, count: int) -> 
             _move(held.robots[kept], gap_s)
             kept += 1
     held.size[0] = kept
-    return hold_read(held, gap_s, robots, count)
 
 
 @kernel
 def hold_read(held: HeldRobots, gap_s: float, robots: Table, count: int) -> bool:
-    """Hold the robots of this frame where they are read; is one missing that was held before? See ``follow_robots``."""
+    """Hold the robots of this frame where they are read; is one missing that was held before?
+
+    gap_s: as of ``move_robots``, which was called before; robots: ROBOT.
+    """
     known, kept = held.robots, held.size[0]
     is_missing = False
     for number in range(kept):

@@ -56,9 +56,6 @@ def locate_blobs(seen: Observation, marker: Marker, gates: Gates, buffers: Finde
     Those that may fill a slot go into the grid, too.
     """
     places, heads = buffers.places[marker.number], buffers.cell_heads
-    for row in range(GRID_CELLS):
-        for column in range(GRID_CELLS):
-            heads[row, column] = NO_BLOB
     cell = _max_reach_m(marker, gates)
     listed = 0
     for blob in range(seen.blob_count):
@@ -72,6 +69,8 @@ def locate_blobs(seen: Observation, marker: Marker, gates: Gates, buffers: Finde
         area = seen.blobs[blob].area_px / scale2
         if not area >= gates.min_area * marker.min_area_m2:
             continue
+        if listed == 0:
+            heads.fill(NO_BLOB)
         places[blob, 0], places[blob, 1], places[blob, 2] = x, y, area
         buffers.listed[listed] = blob
         listed += 1

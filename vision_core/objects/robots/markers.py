@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vision_core.errors import SettingsError
 from vision_core.geometry import Floats, Mask, frozen
-from vision_core.native.kernels import Boxed, box
+from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.objects.robots.body_points import body_points_of
 from vision_core.objects.robots.code_shapes import CodeShapes, code_shapes
 from vision_core.objects.robots.shapes import (
@@ -101,6 +101,8 @@ class Marker(NamedTuple):
     """Digit of each color class at each slot, or NO_DIGIT; shape (s, classes)."""
     place_values: Integers
     """Factor of each slot's digit in the code, 0 where all robots have the same color; shape (s,)."""
+    is_verifiable: bool
+    """Whether all patches are circles, which together determine the heading (``verification``)."""
     has_code: bool
     """Whether robots differ in their colors or shapes."""
     has_shapes: bool
@@ -157,6 +159,7 @@ def marker_of(
         body_m2=float((math.pi if pattern.robot.outline == "circle" else 4.0) * robots.radius_m**2),
         team_colors=frozen(color_roles > 0 if team_colors is None else team_colors),
     )
+    radii = np.array([_radius_m(pattern.patches[index]) for index in (anchor, *others)])
     return Marker(
         number=number,
         team=TEAMS.index(team),
@@ -174,9 +177,10 @@ def marker_of(
         min_area_m2=float(ranges.min()),
         reach_m=frozen(np.array([reach.min(), reach.max()])),
         area_fractions=frozen(areas[[anchor, *others]] / areas.sum()),
-        radii_m=frozen(np.array([_radius_m(pattern.patches[index]) for index in (anchor, *others)])),
+        radii_m=frozen(radii),
         digits=frozen(digits),
         place_values=frozen(place_values),
+        is_verifiable=bool((radii > 0.0).all()) and min_slots <= len(slots),
         has_code=pattern.digits > 0,
         has_shapes=bool(shape_values.any()),
         codes=frozen(np.array(codes, dtype=np.int64)),
@@ -188,6 +192,17 @@ def marker_of(
         min_slots_for_heading=min_slots,
         min_slots_with_shape=min_slots_with_shape,
     )
+
+
+@kernel
+def marker_with(markers: tuple[Marker, ...], team: int, number: int) -> int:
+    """The marker that a team's robot with an id wears."""
+    for one in range(len(markers)):
+        if markers[one].team == team:
+            for row in range(len(markers[one].ids)):
+                if markers[one].ids[row] == number:
+                    return one
+    return 0
 
 
 def tells_heading(marker: Marker) -> bool:

@@ -67,7 +67,7 @@ def refine_pose(
     elif marker.has_shapes:
         _fit_with_shapes(marker, buffers, hypothesis, robot)
     else:
-        _fit(marker, buffers, robot)
+        fit_pose(marker, buffers, robot)
     robot.x_px, robot.y_px = pixel_from_field(seen.camera, robot.x_m, robot.y_m, marker.height_m)
 
 
@@ -128,13 +128,13 @@ def _pose_from_shape(marker: Marker, buffers: FinderBuffers, hypothesis: Row, ro
 
 
 @kernel
-def _fit(marker: Marker, buffers: FinderBuffers, robot: Row) -> None:
+def fit_pose(marker: Marker, buffers: FinderBuffers, robot: Row) -> None:
     """The pose of a robot from all of its patches, weighted."""
     centers, slots = buffers.centers, marker.slots_m
     # weighted means of the seen places and of the marker's
     weight = mean_x = mean_y = model_x = model_y = 0.0
     for patch in range(1 + len(slots)):
-        at_x, at_y = _place_in_robot(marker, patch)
+        at_x, at_y = place_in_robot(marker, patch)
         w = centers[patch, 2]
         weight += w
         mean_x, mean_y = mean_x + w * centers[patch, 0], mean_y + w * centers[patch, 1]
@@ -143,7 +143,7 @@ def _fit(marker: Marker, buffers: FinderBuffers, robot: Row) -> None:
     # cross-covariance about the means: its direction is the heading
     along = across = inertia = spread = freedom = 0.0
     for patch in range(1 + len(slots)):
-        at_x, at_y = _place_in_robot(marker, patch)
+        at_x, at_y = place_in_robot(marker, patch)
         w, a, b = centers[patch, 2], at_x - model_x, at_y - model_y
         if w > 0.0:
             u, v = centers[patch, 0] - mean_x, centers[patch, 1] - mean_y
@@ -165,7 +165,7 @@ def _fit(marker: Marker, buffers: FinderBuffers, robot: Row) -> None:
 
 
 @kernel
-def _place_in_robot(marker: Marker, patch: int) -> tuple[float, float]:
+def place_in_robot(marker: Marker, patch: int) -> tuple[float, float]:
     """Where a patch is in the robot [m]; patch 0 is the anchor."""
     if patch == 0:
         return marker.anchor_m[0], marker.anchor_m[1]
@@ -175,11 +175,11 @@ def _place_in_robot(marker: Marker, patch: int) -> tuple[float, float]:
 @kernel
 def _fit_with_shapes(marker: Marker, buffers: FinderBuffers, hypothesis: Row, robot: Row) -> None:
     """The pose of a robot whose patches have some of the code's shapes, each of which has a center of its own."""
-    _fit(marker, buffers, robot)
+    fit_pose(marker, buffers, robot)
     for _ in range(SHAPE_ROUNDS):
         heading = robot.heading_rad
         _shift_centers(marker, buffers, hypothesis, heading, -1.0)
-        _fit(marker, buffers, robot)
+        fit_pose(marker, buffers, robot)
         _shift_centers(marker, buffers, hypothesis, heading, 1.0)
 
 
