@@ -8,11 +8,11 @@ import msgspec
 import numpy as np
 
 from vision_core.errors import SettingsError
-from vision_core.objects.robots.buffers import FinderBuffers, finder_buffers
-from vision_core.objects.robots.finder import RobotFinder, gates_from, markers_of, robot_finder
+from vision_core.objects.robots.buffers import finder_buffers
+from vision_core.objects.robots.finder import RobotFinder, robot_finder
 from vision_core.objects.robots.scene import Scene, counted, patterns_of
 from vision_core.patterns.loader import load_pattern
-from vision_core.patterns.pattern import Pattern, mirrored, scaled
+from vision_core.patterns.pattern import mirrored, scaled
 from vision_core.settings.schema import Settings, TeamRobotSettings
 from vision_core.types.reasons import Reason
 from vision_core.types.tables import NO_ID, TEAMS, Table
@@ -37,7 +37,7 @@ def mirror_reason(scene: Scene, robots: Table, settings: Settings) -> Reason | N
     robots: those that are found, ROBOT. A pattern that has a mirrored marker of another id for each marker shows it by
     the ids that the match gives to its robots.
     """
-    found = scene.robots(_finder_of(mirrored, scene, settings))
+    found = scene.robots(robot_finder(settings, scene.table, mirrored))
     read, read_mirrored = (table[table["id"] != NO_ID] for table in (robots, found))
     text = "this picture is a mirror image"
     advice = "Switch off mirroring (flip) in the camera's driver, or in the program that saves its pictures."
@@ -112,16 +112,8 @@ def _finders_of_other_sizes(scene: Scene, settings: Settings) -> Iterator[tuple[
     for factor in SCALES:
         area = f"blobs have {factor**2:.1f} times the expected area"
         text = f"wrong camera height or field size? The {area}; with markers {factor:.2f} times as large"
-        finder = _finder_of(partial(scaled, factor=factor), scene, settings, buffers)
+        finder = robot_finder(settings, scene.table, partial(scaled, factor=factor), buffers)
         yield Reason(text, "Measure the camera's height and the field again.", is_calibration=True), finder
-
-
-def _finder_of(
-    change: Callable[[Pattern], Pattern], scene: Scene, settings: Settings, buffers: FinderBuffers | None = None
-) -> RobotFinder:  # fmt: skip
-    """A finder of the venue's markers, changed. buffers: None for new ones."""
-    markers = markers_of(settings, scene.table, change)
-    return RobotFinder(markers, gates_from(settings), buffers or finder_buffers(settings.blobs.max_blobs, len(markers)))
 
 
 def _gain(robots: Table) -> float:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from vision_core.geometry import Mask, frozen
 from vision_core.models.from_settings import robots_of
 from vision_core.native.kernels import kernel
 from vision_core.objects.field_limits import accepted_extents
@@ -40,12 +41,22 @@ class RobotFinder(NamedTuple):
     """Of blue, then of yellow; robots of a team may wear different ones."""
     gates: Gates
     buffers: FinderBuffers
+    has_anchor: Mask
+    """Which color classes a team's patch may have, shape (classes,)."""
 
 
-def robot_finder(settings: Settings, table: ColorTable) -> RobotFinder:
-    """Make the finder of both teams' robots. Raises SettingsError for a wrong pattern or colors without a class."""
-    markers = markers_of(settings, table)
-    return RobotFinder(markers, gates_from(settings), finder_buffers(settings.blobs.max_blobs, len(markers)))
+def robot_finder(
+    settings: Settings, table: ColorTable, change: Callable[[Pattern], Pattern] = lambda pattern: pattern,
+    buffers: FinderBuffers | None = None,
+) -> RobotFinder:  # fmt: skip
+    """Make the finder of both teams' robots, with changed patterns. buffers: None for new ones.
+
+    Raises SettingsError for a wrong pattern or colors without a class.
+    """
+    markers = markers_of(settings, table, change)
+    buffers = buffers or finder_buffers(settings.blobs.max_blobs, len(markers))
+    has_anchor = np.isin(np.arange(len(table.names)), [marker.anchor_class for marker in markers])
+    return RobotFinder(markers, gates_from(settings), buffers, frozen(has_anchor))
 
 
 def markers_of(
@@ -85,6 +96,9 @@ def find_robots(seen: Observation, finder: RobotFinder, known: int, robots: Tabl
     room for MAX_ROBOTS. (x_m, y_m) is the robot's center.
     """
     markers, gates, buffers = finder.markers, finder.gates, finder.buffers
+    if not _shows_anchor(seen, finder.has_anchor):
+        order_robots(buffers.found, known, robots)
+        return known
     # hypotheses of both teams compete for the blobs
     count = int(np.int64(0))  # a plain 0 has a type of its own, and every function it is passed to compiles twice
     for marker in markers:
@@ -104,6 +118,15 @@ def find_robots(seen: Observation, finder: RobotFinder, known: int, robots: Tabl
     _read_markers(seen, markers, buffers, known, selected)
     order_robots(buffers.found, known + selected, robots)
     return known + selected
+
+
+@kernel
+def _shows_anchor(seen: Observation, has_anchor: Mask) -> bool:
+    """Whether a blob may be a team's patch."""
+    found = False
+    for blob in range(seen.blob_count):
+        found |= has_anchor[seen.blobs[blob].color]
+    return found
 
 
 @kernel
