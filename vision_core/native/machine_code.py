@@ -15,9 +15,8 @@ numba_codegen: Any = _codegen_of_numba
 OBJECT = "machine code"
 """Kind of a library on disk, beside those of numba."""
 ROUNDS = 2
-"""How often all is optimized together: one round leaves the frame path 3 % slower, two leave it 2 % faster than numba's
-round for every kernel.
-"""
+"""How often all is optimized together: one round leaves the frame path 3 % slower than numba's round for every kernel,
+two leave it as fast (docs/decisions/0020)."""
 
 
 class LazyLibrary(numba_codegen.JITCodeLibrary):  # type: ignore[misc]
