@@ -75,7 +75,8 @@ def running_service(*options: str, variables: Mapping[str, str] | None = None) -
     options: further arguments of ``pslv serve``. variables: further environment variables. Raises RuntimeError with the
     service's log when it ends or is not ready within START_TIMEOUT_S.
     """
-    with tempfile.TemporaryFile("w+") as log, tempfile.TemporaryDirectory() as folder:
+    # it appends, wherever the benchmark reads: they share one place in the file
+    with tempfile.TemporaryFile("a+") as log, tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "PSLV_DATABASE": folder, **(variables or {})}
         token = operator_token(Path(environment["PSLV_DATABASE"]))
         process = subprocess.Popen(
