@@ -1,9 +1,9 @@
 """Duration of the whole pipeline for one frame, from pixels to sent datagrams: back to back, and at 30 Hz.
 
 Distinct frames of a simulated match, rendered beforehand and looped; the table says how many. In one process and thread
-each frame is perceived (windows around known objects, scan band, the whole picture when something is missing), tracked,
-rendered as every robot's view, encoded for every client and sent over loopback through one socket per client. The
-service does the same in two processes, one after the other.
+each frame is perceived (known robots verified, a window around the ball, scan band, the whole picture when something is
+missing), tracked, rendered as every robot's view, encoded for every client and sent over loopback through one socket
+per client. The service does the same in two processes, one after the other.
 
 Measured [us]: median duration of a frame, and of each stage, back to back; then frames that come at 30 Hz (``paced``),
 from the publication of a frame to its last datagram, with rehearsals and without. Baseline: the reference segmentation

@@ -9,7 +9,6 @@ protocol's reference implementation in Python, which encodes one view at a time.
 import ctypes
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,13 +16,13 @@ from msgspec.structs import replace
 
 from bench.baselines.build import load_library
 from bench.runner import Row
+from bench.whole_loop import Client
 from vision_core.clock import NS_PER_S, US_PER_S, Instant
 from vision_core.geometry import Bytes
 from vision_core.models.from_settings import mirror_of
 from vision_core.net.delivery import Batch
 from vision_core.pipeline.see_kernels import SLOT
 from vision_core.pipeline.view_encoder import ViewEncoder
-from vision_core.protocol.options import PAPER_OPTIONS, Options
 from vision_core.protocol.see import reference_see
 from vision_core.settings.schema import Settings
 from vision_core.types.objects import Team
@@ -47,16 +46,6 @@ SCENE = np.dtype(
     [(name, np.float64) for name in ("a", "b", "c", "d", "radius", "ball_radius", "limit_x", "limit_y")]
     + [("segments", np.int64), ("solid", np.int64)]
 )
-
-
-@dataclass(frozen=True)
-class Client:
-    """What a session asks for."""
-
-    team: Team
-    number: int
-    options: Options = PAPER_OPTIONS
-    nul: bool = False
 
 
 def run() -> list[Row]:

@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from bench.whole_loop import Client
 from tests.views.scenes import AT, SETTINGS, ball, fields, obstacle, random_world, robot, with_squares, world
 from vision_core.clock import Instant
 from vision_core.models.from_settings import mirror_of
@@ -34,16 +34,6 @@ CODES = edge_codes(SETTINGS.protocol.letters)
 MIRROR = mirror_of(SETTINGS.mirror, Team.BLUE)
 BOOT = Instant(500_000_000)
 ENCODER = ViewEncoder(with_squares(), BOOT)
-
-
-@dataclass(frozen=True)
-class Client:
-    """The part of a session that the encoder reads."""
-
-    team: Team
-    number: int
-    options: Options = PAPER_OPTIONS
-    nul: bool = False
 
 
 def blue_1(options: Options = PAPER_OPTIONS, *, nul: bool = False) -> Client:

@@ -5,9 +5,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vision_core.blobs.bits import Bits, is_masked, is_set
-from vision_core.blobs.simd import class_at
 from vision_core.geometry import Bytes
 from vision_core.native.kernels import kernel
+from vision_core.types.color_cells import class_at
 from vision_core.types.tables import Table
 
 Row: TypeAlias = Any

@@ -75,23 +75,6 @@ def any_class(_typing: Any, cells: Any, place: Any, classes: Any) -> Any:
     return machine_types.uint8(cells, place, classes), code
 
 
-@intrinsic
-def class_at(_typing: Any, flat: Any, pixel: Any, classes: Any) -> Any:
-    """The class of one pixel: (flat, pixel, classes), classes uint8 (65536,)."""
-
-    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        data, table = (context.make_array(signature.args[k])(context, builder, values[k]).data for k in (0, 2))
-        start = builder.mul(values[1], ir.Constant(LONG, 3))
-        cell = ir.Constant(LONG, 0)
-        for channel, (drop, bit) in enumerate(CELL_BITS_BGR):
-            at = builder.gep(data, [builder.add(start, ir.Constant(LONG, channel))])
-            level = builder.lshr(builder.zext(builder.load(at), LONG), ir.Constant(LONG, drop))
-            cell = builder.or_(cell, builder.shl(level, ir.Constant(LONG, bit)))
-        return builder.load(builder.gep(table, [cell]))
-
-    return machine_types.uint8(flat, pixel, classes), code
-
-
 def _external(builder: Any, name: str, kind: Any) -> Any:
     """An intrinsic function of LLVM, declared once per module."""
     known = builder.module.globals

@@ -5,8 +5,9 @@ better, but the blurred edges of neighbors (the dots of a marker lie 5 mm apart,
 center towards them. So only the circle's edge is used, divided into sectors that are measured independently:
 
 1. Each sector has three colors: inside the edge, outside of it, and the background, which most sectors have outside.
-2. In a band over the edge every pixel is unmixed into these three colors (least squares). The coverage by the inside
-   color, minus what the expected circle would give, sums up to the distance of the edge from the expected circle.
+2. In a band over the edge pixels about one apart are unmixed into these three colors (least squares). The coverage by
+   the inside color, minus what the expected circle would give, sums up to the distance of the edge from the expected
+   circle.
 3. A circle is fitted to the sectors' displacements. A sector that does not fit (something covers the edge, or the
    color outside is the same) is left out, so that what is hidden does not pull the center away.
 
@@ -29,13 +30,14 @@ Row: TypeAlias = Any
 """One row of a table."""
 
 BYTE = 255
+"""Mask of one channel in a pixel's word."""
 SECTORS = 16
 BAND_PX = 1.35
 """Half the width of the band over the edge: the blur of a sharp lens and the error of a centroid."""
 DEPTHS = 4
-"""Rows of pixels across the band that are read in every sector."""
+"""Rings of pixels in the band."""
 SMALL_PX, LARGE_PX = 6.5, 13.0
-"""Radii from which on more pixels are read along the edge of a sector."""
+"""Radii from which on every ring has 4 and 8 pixels in a sector, not 2."""
 OUTSIDE_PX = 1.6
 PAPER_INSIDE_PX, SPHERE_INSIDE_PX = 1.55, 0.9
 """Distances from the edge at which the colors outside and inside are taken. Inside: of flat paper, beyond the lens's
@@ -86,18 +88,20 @@ SECTOR_BUFFER = np.dtype(
         )),
     ]
 )  # fmt: skip
-"""All sectors: pixels in the band, displacement of the edge [px] (first the sum of surplus coverage), colors inside and
-outside, weights and offset that give a pixel's coverage, whether the sector is used (0 or 1), whether the circle's
-color continues outside of it (0 or 1), and distance of the outside color from those of the other sectors. Each quantity
-lies side by side for all sectors, so that one instruction takes several; ``count`` is always SECTORS, but the compiler
-makes such instructions only of loops whose length it does not know."""
+"""All sectors: number of a pixel on each ring, its distance from the center [px], and its color as a word; displacement
+of the edge [px] (first the sum of surplus coverage), colors inside and outside, weights and offset that give a pixel's
+coverage, whether the sector is used (0 or 1), whether the circle's color continues outside of it (0 or 1), and distance
+of the outside color from those of every second sector. Each quantity lies side by side for all sectors, so that one
+instruction takes several; ``count`` is always SECTORS, but the compiler makes such instructions only of loops whose
+length it does not know."""
 
 TURNS, MIDDLE = 16, 8
 """Parts of a sector's angle, and where the middle is."""
 _TURNED = (np.arange(SECTORS) + np.arange(TURNS)[:, None] / TURNS) * (math.tau / SECTORS)
 _ALONG, _ACROSS = frozen(np.cos(_TURNED)), frozen(np.sin(_TURNED))
-_NORMALS = frozen(np.column_stack([_ALONG[MIDDLE], _ACROSS[MIDDLE]]))
 """Directions of points, shape (TURNS, SECTORS)."""
+_NORMALS = frozen(np.column_stack([_ALONG[MIDDLE], _ACROSS[MIDDLE]]))
+"""Directions of the sectors' middles, shape (SECTORS, 2)."""
 
 
 def circle_buffer() -> Table:

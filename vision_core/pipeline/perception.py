@@ -106,11 +106,12 @@ def perceive_picture(pixels: Bytes, gap_s: float, boxed: Boxed, blobs: Table, se
     frame, expected = seen[0], context.expected[0]
     move_robots(context.held, gap_s)
     known = int(np.int64(0))
-    if 0.0 <= gap_s <= MAX_GAP_S:
+    is_next = 0.0 <= gap_s <= MAX_GAP_S
+    if is_next:
         observation = Observation(blobs, 0, pixels, context.classes, context.camera)
         known = verify_robots(observation, context.robots, context.held)
     # Windows only after a complete frame, a short time ago.
-    follows = 0.0 <= gap_s <= MAX_GAP_S and frame.counts[1] > 0 and frame.counts[0] >= expected.robots
+    follows = is_next and frame.counts[1] > 0 and frame.counts[0] >= expected.robots
     windows = _place_windows(frame, known, gap_s, context) if follows else 0
     whole, count = not follows, 0
     while True:
@@ -259,7 +260,7 @@ class Perception:
         self._shapes = shapes_from(settings, self.context.robots.markers)
         self.blobs: Table = np.zeros(settings.blobs.max_blobs, dtype=BLOB)
         self.blob_count = 0
-        """How many blobs the last frame has: the first rows of ``blobs``."""
+        """How many blobs the last frame has, but for those on verified robots: the first rows of ``blobs``."""
         self.raw: Bytes = np.zeros((0, 0, 3), dtype=np.uint8)
         """The last frame."""
         self.pixels = self.raw

@@ -26,7 +26,7 @@ since it was last read."""
 MAX_MISSED = 10
 """So many frames a robot that is not read is looked for where it should be."""
 NO_ROW = -1
-"""Where ``row_of`` finds no robot."""
+"""Where a table has no row of a robot."""
 
 
 class HeldRobots(NamedTuple):

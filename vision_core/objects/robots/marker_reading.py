@@ -21,7 +21,8 @@ from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.native.kernels import kernel
 from vision_core.objects.observation import Observation
-from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.held import NO_ROW
+from vision_core.objects.robots.markers import Marker, row_of_id
 from vision_core.objects.robots.paint_residual import (
     COST,
     COUNT,
@@ -159,18 +160,18 @@ def learn_references(marker: Marker, number: int, patches: Floats, learned: Floa
 
     number: the id; learned: per class, shape (classes, 6), see ``COUNT``.
     """
-    for row in range(len(marker.ids)):
-        if marker.ids[row] != number:
-            continue
-        for patch in range(marker.worn.shape[1]):
-            if patches[patch, SATURATED] == 0.0:
-                x, y, sums = patches[patch, X], patches[patch, Y], learned[marker.worn[row, patch]]
-                sums[COUNT] += 1.0
-                sums[SUM_X] += x
-                sums[SUM_Y] += y
-                sums[SUM_XX] += x * x
-                sums[SUM_XY] += x * y
-                sums[SUM_YY] += y * y
+    row = row_of_id(marker, number)
+    if row == NO_ROW:
+        return
+    for patch in range(marker.worn.shape[1]):
+        if patches[patch, SATURATED] == 0.0:
+            x, y, sums = patches[patch, X], patches[patch, Y], learned[marker.worn[row, patch]]
+            sums[COUNT] += 1.0
+            sums[SUM_X] += x
+            sums[SUM_Y] += y
+            sums[SUM_XX] += x * x
+            sums[SUM_XY] += x * y
+            sums[SUM_YY] += y * y
 
 
 @kernel

@@ -13,6 +13,7 @@ from vision_core.geometry import Floats, Mask, frozen
 from vision_core.native.kernels import Boxed, box, kernel
 from vision_core.objects.robots.body_points import body_points_of
 from vision_core.objects.robots.code_shapes import CodeShapes, code_shapes
+from vision_core.objects.robots.held import NO_ROW
 from vision_core.objects.robots.shapes import (
     HEADING_STEPS,
     MIN_STEPS_APART,
@@ -198,11 +199,18 @@ def marker_of(
 def marker_with(markers: tuple[Marker, ...], team: int, number: int) -> int:
     """The marker that a team's robot with an id wears."""
     for one in range(len(markers)):
-        if markers[one].team == team:
-            for row in range(len(markers[one].ids)):
-                if markers[one].ids[row] == number:
-                    return one
+        if markers[one].team == team and row_of_id(markers[one], number) != NO_ROW:
+            return one
     return 0
+
+
+@kernel
+def row_of_id(marker: Marker, number: int) -> int:
+    """The row of an id in a marker's tables, NO_ROW where no robot has it."""
+    for row in range(len(marker.ids)):
+        if marker.ids[row] == number:
+            return row
+    return NO_ROW
 
 
 def tells_heading(marker: Marker) -> bool:

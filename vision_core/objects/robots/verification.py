@@ -21,8 +21,8 @@ import numpy as np
 from vision_core.geometry import Bytes, Floats
 from vision_core.models.camera_kernels import pixel_from_field
 from vision_core.native.kernels import kernel
-from vision_core.native.pixel_reads import prefetch, word_at
-from vision_core.objects.circle_fit import BYTE, OUTSIDE_PX, PAPER_INSIDE_PX, fitted_circle
+from vision_core.native.pixel_reads import prefetch
+from vision_core.objects.circle_fit import OUTSIDE_PX, PAPER_INSIDE_PX, fitted_circle
 from vision_core.objects.field_limits import is_accepted
 from vision_core.objects.observation import Observation
 from vision_core.objects.robots.buffers import FinderBuffers, Gates
@@ -30,9 +30,9 @@ from vision_core.objects.robots.finder import RobotFinder
 from vision_core.objects.robots.held import NO_ROW, HeldRobots
 from vision_core.objects.robots.hypothesis_generation import area_score
 from vision_core.objects.robots.marker_reading import SATURATED_LEVEL, pixel_frame
-from vision_core.objects.robots.markers import Marker
+from vision_core.objects.robots.markers import Marker, row_of_id
 from vision_core.objects.robots.pose_refinement import fit_pose, place_in_robot
-from vision_core.types.color_cells import color_cell
+from vision_core.types.color_cells import class_at
 from vision_core.types.tables import TEAMS
 
 Row: TypeAlias = Any
@@ -121,7 +121,7 @@ def _verify(
     predicted: a row of PREDICTED; known: of HELD; robot: of ROBOT, to be filled.
     """
     patches, scale, crossed = 1 + len(marker.slots_m), predicted.px_m, buffers.crossed
-    worn, areas = _row_of_id(marker, known.id), 0.0
+    worn, areas = row_of_id(marker, known.id), 0.0
     for patch in range(patches):
         radius = marker.radii_m[patch] * scale
         place = predicted.x_px[patch], predicted.y_px[patch]
@@ -160,15 +160,6 @@ def _verify(
 
 
 @kernel
-def _row_of_id(marker: Marker, number: int) -> int:
-    """The row of an id in a marker's tables."""
-    for row in range(len(marker.ids)):
-        if marker.ids[row] == number:
-            return row
-    return 0
-
-
-@kernel
 def _cross(
     seen: Observation, flat: Bytes, color: int, place: tuple[float, float], radius_px: float, crossed: Floats
 ) -> bool:  # fmt: skip
@@ -178,19 +169,19 @@ def _cross(
     saturated, or does not end.
     """
     height, width, _ = seen.pixels.shape
-    if not (0.0 <= place[X] < width - 2.0 and 0.0 <= place[Y] < height - 1.0):
+    if not (0.0 <= place[X] < width - 1.0 and 0.0 <= place[Y] < height - 1.0):
         return False
     classes = seen.classes
     reach = int(2.0 * LONGEST * radius_px) + 1
     u, v = int(place[X] + 0.5), int(place[Y] + 0.5)
-    if not _has_class(flat, v * width + u, classes, color):
+    if class_at(flat, v * width + u, classes) != color:
         return False
-    left, right = _run(flat, classes, color, v * width + u, 1, min(u, reach), min(width - 2 - u, reach))
+    left, right = _run(flat, classes, color, v * width + u, 1, min(u, reach), min(width - 1 - u, reach))
     u += (right - left) // 2
     up, down = _run(flat, classes, color, v * width + u, width, min(v, reach), min(height - 1 - v, reach))
     y = v + 0.5 * (down - up)
     v += (down - up) // 2
-    left, right = _run(flat, classes, color, v * width + u, 1, min(u, reach), min(width - 2 - u, reach))
+    left, right = _run(flat, classes, color, v * width + u, 1, min(u, reach), min(width - 1 - u, reach))
     crossed[X], crossed[Y] = u + 0.5 * (right - left), y
     across, along = left + right + 1.0, up + down + 1.0
     crossed[AREA] = 0.25 * math.pi * across * along
@@ -206,19 +197,11 @@ def _run(
 ) -> tuple[int, int]:  # fmt: skip
     """How many pixels before and after one have its class, in steps; each at most so many."""
     first, last = 0, 0
-    while first < before and _has_class(flat, pixel - (first + 1) * step, classes, color):
+    while first < before and class_at(flat, pixel - (first + 1) * step, classes) == color:
         first += 1
-    while last < after and _has_class(flat, pixel + (last + 1) * step, classes, color):
+    while last < after and class_at(flat, pixel + (last + 1) * step, classes) == color:
         last += 1
     return first, last
-
-
-@kernel
-def _has_class(flat: Bytes, pixel: int, classes: Bytes, color: int) -> bool:
-    """Whether a pixel has a class. Not for the last pixel of a picture."""
-    word = word_at(flat, pixel)
-    is_own: bool = classes[color_cell(word & BYTE, word >> 8 & BYTE, word >> 16 & BYTE)] == color
-    return is_own
 
 
 @kernel
