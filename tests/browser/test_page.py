@@ -163,7 +163,7 @@ def test_an_evening_of_a_referee(browser: Browser, service: FakeService, server:
     expect(page.get_by_text("blue 1 is disconnected").first).to_be_visible()
 
     page.get_by_role("link", name="Settings").click()
-    page.get_by_label("Search").fill("validity_ms")
+    page.get_by_label("Search", exact=True).fill("validity_ms")
     field = page.get_by_label("tracks.validity_ms", exact=True)
     field.fill("-5")
     field.press("Enter")
