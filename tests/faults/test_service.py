@@ -85,6 +85,18 @@ def test_it_is_healthy_ready_and_says_what_it_is(service: RunningService) -> Non
     assert states == dict.fromkeys((*PROCESSES, *SPARES), "running")
 
 
+def test_how_its_tasks_run_is_printed(service: RunningService) -> None:
+    name = f"pslv/{service.http.rsplit(':', 1)[1]}"
+    command = [sys.executable, "-m", "app.main", "tasks", "--live", "--service", name]
+    header, *rows = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+    assert header.split()[:6] == ["task", "policy", "runs", "missed", "overruns", "Hz"]
+    reported = {row.split()[0]: row for row in rows}
+    assert reported.keys() >= {"capture", "perceive", "serve", "boundary", "web"}
+    runs = re.search(r"(?:FIFO \d+|nice -?\d+|ordinary) +(\d+)", reported["perceive"])
+    assert runs
+    assert int(runs[1]) > 10
+
+
 def test_ten_clients_from_the_papers_text(service: RunningService) -> None:
     robots = [(team, str(number)) for team in ("blue", "yellow") for number in range(1, 6)]
     command = [sys.executable, str(PAPER_CLIENT)]
