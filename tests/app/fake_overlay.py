@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tests.app.fake_tasks import BLUE_3
 from vision_core.color.lookup_table import compile_color_table
 from vision_core.geometry import Bytes
 from vision_core.models.camera_setup import CameraSetup
@@ -56,6 +57,7 @@ class FakeOverlays:
             blobs=_blobs(hypotheses) if asked(Layer.BLOBS) else None,
             hypotheses=hypotheses if asked(Layer.HYPOTHESES) else None,
             lines=self._lines if asked(Layer.LINES) else None,
+            contours=(BLUE_3,) if asked(Layer.CONTOURS) else None,
             boundary=self._boundary() if asked(Layer.BOUNDARY) else None,
         )
 

@@ -34,10 +34,22 @@ from vision_core.timing.histogram import Histograms
 from vision_core.types.colors import Light
 from vision_core.types.objects import Team
 from vision_core.types.palette import ColorChange, LivePalette, PaintShift
-from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
+from vision_core.types.regions import (
+    BallVisibility,
+    BodyContour,
+    BodyContours,
+    ColorDrift,
+    ExposureCheck,
+    FieldBoundary,
+    Finding,
+    LineCheck,
+)
 
 RESPONSES_MS = {"capture": 0.08, "perceive": 1.9, "serve": 1.1, "source": 9.0, "obstacles": 8.0, "lines": 6.0}
 """Median; 3 where nothing is said."""
+BLUE_3 = BodyContour(
+    Team.BLUE, 3, ((0.4, 0.2), (0.7, 0.2), (0.55, 0.5)), ((400.0, 200.0), (460.0, 200.0), (430.0, 140.0)), True
+)
 RATE_HZ = 30.0
 FRAME_MS = 1e3 / RATE_HZ
 SPARES = ("spare-1", "spare-2")
@@ -168,6 +180,7 @@ def findings(camera: str, number: int, grabbed: Instant) -> list[tuple[Item[Any]
     found = (
         (records.boundary, FieldBoundary(((10.0, 12.0), (math.nan, math.nan)), (0.9, 0.0), 0.94, 0.3, 0.6)),
         (records.lines, LineCheck(12, 11, 0.97, 0.4, 0.0)),
+        (records.contours, BodyContours((BLUE_3,), BallVisibility.MAY_BE_HIDDEN, (0.5, 0.25), ((Team.BLUE, 3),))),
         (records.exposure, ExposureCheck(231.0, 88.0, 0.001, ())),
         (records.colors, ColorDrift((1.02, 1.0, 0.97), "")),
     )

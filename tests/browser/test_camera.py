@@ -67,14 +67,14 @@ def test_layers_are_drawn_listed_and_remembered(context: BrowserContext, address
     rejected.press("Enter")
     expect(rejected).to_have_attribute("aria-pressed", "true")
     expect(page.get_by_label("What is chosen")).to_contain_text("9 to 18 px")
-    for name in ("blobs", "lines", "color classes", "end of the carpet"):
+    for name in ("blobs", "lines", "color classes", "end of the carpet", "contours"):
         page.get_by_label(name, exact=True).check()
     expect(page.get_by_role("list", name="Color classes")).to_contain_text("orange")
     page.locator("h1").hover()
     page.get_by_label("robots and ball").focus()
     expect(page.get_by_text("Blobs: 12 of 340 shown")).to_be_visible()
     expect(page.get_by_role("button", name=re.compile("line 1: missed.*paint on 12%"))).to_be_visible()
-    assert set(looked_at(service)) == {"classes", "blobs", "hypotheses", "lines", "boundary"}
+    assert set(looked_at(service)) == {"classes", "blobs", "hypotheses", "lines", "boundary", "contours"}
     assert faults(page) == []
     page.reload()
     expect(page.get_by_label("blobs", exact=True)).to_be_checked()

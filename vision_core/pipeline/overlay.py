@@ -17,6 +17,7 @@ from vision_core.objects.robots.scene import Scene
 from vision_core.objects.robots.verdicts import robot_verdicts
 from vision_core.pipeline.diagnosis import scene_of
 from vision_core.pipeline.perception import Perception
+from vision_core.pipeline.robot_contours import RobotContours
 from vision_core.regions.boundary import BoundaryFinder
 from vision_core.regions.lines import judged_lines
 from vision_core.types.colors import ColorTable
@@ -49,6 +50,7 @@ class OverlayMaker:
         self._perception = perception
         settings, camera = perception.settings, perception.camera
         self._boundary = BoundaryFinder(settings.field, camera.model, camera.size_px)
+        self._contours = RobotContours(settings, camera)
 
     def make(self, image: ImageFrame, layers: Collection[Layer], clock: Clock) -> Overlay:
         """The layers of an image of the configured size."""
@@ -66,6 +68,7 @@ class OverlayMaker:
             hypotheses=self._hypotheses(scene, seen) if scene and Layer.HYPOTHESES in layers else None,
             lines=self._lines(image.pixels) if Layer.LINES in layers else None,
             boundary=self._boundary.find(image.pixels) if Layer.BOUNDARY in layers else None,
+            contours=self._contours.of(seen.record().robots) if Layer.CONTOURS in layers else None,
         )
 
     def _hypotheses(self, scene: Scene, seen: SightingsTable) -> Hypotheses:

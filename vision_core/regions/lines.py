@@ -1,5 +1,6 @@
 """Are the painted lines where the field's measures and the camera put them? Judged by brightness profiles."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,11 +57,14 @@ class _MeasuredLine:
         return self.painted > MIN_PAINTED
 
 
-def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> LineCheck:
+def line_check(
+    pixels: Bytes, field: FieldSettings, camera: CameraModel, covered: Callable[[Floats], Mask] | None = None
+) -> LineCheck:
     """How well the painted lines of the field match an image.
 
-    pixels: shape (height, width, 3), blue green red. Lines thinner than a pixel are not judged. Raises SettingsError
-    when the camera makes a line wider than the picture: then it does not belong to the field.
+    pixels: shape (height, width, 3), blue green red; covered: says which points of the floor, shape (n, 2) [m], a robot
+    covers, so that no paint is expected there. Lines thinner than a pixel are not judged. Raises SettingsError when the
+    camera makes a line wider than the picture: then it does not belong to the field.
     """
     lines = painted_points(field, POINTS_PER_LINE)
     if not lines:
@@ -71,6 +75,8 @@ def line_check(pixels: Bytes, field: FieldSettings, camera: CameraModel) -> Line
     outside = 1.0 - float(np.concatenate(within).mean())
     if width_px < MIN_WIDTH_PX:
         return LineCheck(0, 0, None, None, outside)
+    if covered is not None:
+        within = [inside & ~covered(points) for points, inside in zip(lines, within, strict=True)]
     measured = [_measure(pixels, line, inside, width_px) for line, inside in zip(placed, within, strict=True)]
     known = [line for line in measured if line is not None]
     found = [line for line in known if line.is_found]

@@ -62,7 +62,7 @@ from vision_core.types.game import Game
 from vision_core.types.objects import Diagnosis, Obstacles, Sightings
 from vision_core.types.overlay import Looking, Overlay
 from vision_core.types.palette import LivePalette
-from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
+from vision_core.types.regions import BodyContours, ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
 from vision_core.types.suggestions import LiveSuggestions
 from vision_core.types.tables import SightingsTable, ViewsTable, WorldTable
 from vision_core.types.tracks import World
@@ -105,6 +105,7 @@ boundary = per_camera("boundary", Finding[FieldBoundary], 16384, WATCHED_S)
 lines = per_camera("lines", Finding[LineCheck], 4096, WATCHED_S)
 exposure = per_camera("exposure", Finding[ExposureCheck], 4096, WATCHED_S)
 colors = per_camera("colors", Finding[ColorDrift], 4096, WATCHED_S)
+contours = per_camera("contours", Finding[BodyContours], 65536, 0.5)
 palette = per_camera("palette", LivePalette, MAX_PALETTE, 0.0)
 suggestions = per_camera("suggestions", LiveSuggestions, 8192, 3.0)
 overlay = per_camera("overlay", Overlay, MAX_OVERLAY, 3.0)
@@ -122,6 +123,7 @@ CATALOG: tuple[AnyRecord, ...] = (
     exposure,
     colors,
     palette,
+    contours,
     diagnosis,
     WORLD,
     VIEWS,

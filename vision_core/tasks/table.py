@@ -1,7 +1,8 @@
 """The task table: everything that runs, on one page.
 
     light -> capture -> frames -> perceive -> sightings -> serve -> datagrams
-       source (renders)   |   ^                             | |
+       source (renders)   |   ^                    |        | |
+                          |   |                    +-> contours, lines (what robots cover)
                           |   +-- palette <- follow         | |
                           |   +-- suggestions <- search     | |
                           +-> obstacles --------------------+ |
@@ -68,13 +69,15 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     obstacles, diagnosis = f"obstacles/{camera}", f"diagnosis/{camera}"
     line = partial(_line, settings)
 
-    def watcher(name: str, purpose: str) -> Task:
+    def watcher(name: str, purpose: str, *others: str) -> Task:
         """A task that looks at the newest image of the camera periodically; its record has its name.
+
+        others: what it reads beside the images.
 
         A new one needs its module beside this file, its line below, its record in ``rtdb.records`` and, to be shown on
         the page, its report in ``app/web/reports/checks.py``.
         """
-        return line(name, PERIOD, [frames], [f"{name}/{camera}"], purpose=purpose)
+        return line(name, PERIOD, [frames, *others], [f"{name}/{camera}"], purpose=purpose)
 
     yield from _camera_tasks(settings, camera)
     palette = records.palette(camera).name
@@ -92,10 +95,12 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         on_frame_path=True,
         purpose="sends every robot its view",
     )
+    seen, covered = [sightings, "world"], [f"contours/{camera}"]
+    yield line("contours", PERIOD, seen, covered, purpose="says what robots cover, and if the ball may be hidden there")
     yield line("obstacles", frames, [frames, sightings], [obstacles], purpose="finds obstacles")
     watchers = (
         watcher("boundary", "finds where the field ends"),
-        watcher("lines", "checks that the camera was not moved"),
+        watcher("lines", "checks that the camera was not moved", sightings),
         watcher("exposure", "checks the brightness"),
         watcher("colors", "checks the light"),
     )
@@ -106,7 +111,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
         "overlay", PERIOD, [frames, looks, palette], [overlay], purpose="draws what is found while somebody looks"
     )
     watched = [record for task in watchers for record in task.writes]
-    shown = [frames, source, sightings, obstacles, *watched, diagnosis, overlay, palette]
+    shown = [frames, source, sightings, obstacles, *watched, *covered, diagnosis, overlay, palette]
     shown += ["processes", "selftest", "log", "world", "views", "serving", "lags", "fairness", "fairness_ended"]
     shown += _game_records(settings)
     yield line(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from vision_core.clock import Instant
-from vision_core.types.regions import FieldBoundary
+from vision_core.types.regions import BodyContour, FieldBoundary
 
 
 class Layer(StrEnum):
@@ -15,6 +15,7 @@ class Layer(StrEnum):
     HYPOTHESES = "hypotheses"
     LINES = "lines"
     BOUNDARY = "boundary"
+    CONTOURS = "contours"
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,3 +126,4 @@ class Overlay:
     hypotheses: Hypotheses | None = None
     lines: tuple[PaintedLine, ...] | None = None
     boundary: FieldBoundary | None = None
+    contours: tuple[BodyContour, ...] | None = None

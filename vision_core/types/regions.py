@@ -1,10 +1,12 @@
 """The results of the slow tasks: the field as the picture shows it, compared with the venue's settings."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Generic, TypeVar
 
 from vision_core.clock import Instant
 from vision_core.types.colors import Levels
+from vision_core.types.objects import Team
 from vision_core.types.reasons import Reason
 
 T = TypeVar("T")
@@ -74,3 +76,43 @@ class ColorDrift:
     """Factors that convert a picture to the venue's light; 1 for each channel where it cannot be measured."""
     reason: str
     """Why it cannot be measured; empty when it can."""
+
+
+@dataclass(frozen=True, slots=True)
+class BodyContour:
+    """What one robot covers in a picture."""
+
+    team: Team
+    id: int | None
+    outline_m: tuple[tuple[float, float], ...]
+    """The part of the floor that the camera cannot see for this robot, anticlockwise [m]."""
+    outline_px: tuple[tuple[float, float], ...]
+    """The same in the picture: the robot's silhouette [px]."""
+    can_hide_ball: bool
+    """A ball that touches the robot on the side away from the camera may not be seen."""
+
+
+class BallVisibility(StrEnum):
+    """Whether the ball is seen, and what follows where it is not."""
+
+    SEEN = "seen"
+    MAY_BE_HIDDEN = "may be hidden"
+    """A robot covers the place where the ball should be."""
+    OUT_OF_PICTURE = "out of the picture"
+    """The ball should be where this camera does not look."""
+    GONE = "gone"
+    """Nothing covers the place where the ball should be: it was taken away, or is not recognized."""
+    UNKNOWN = "unknown"
+    """It was not seen since the service began."""
+
+
+@dataclass(frozen=True, slots=True)
+class BodyContours:
+    """What the robots cover in a camera's picture, and what that says about the ball."""
+
+    bodies: tuple[BodyContour, ...]
+    ball: BallVisibility
+    ball_m: tuple[float, float] | None
+    """Where the ball should be: where it is tracked, or was tracked last [m]."""
+    hiding: tuple[tuple[Team, int | None], ...]
+    """The robots that cover some of that place."""

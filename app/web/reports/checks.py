@@ -1,4 +1,4 @@
-"""What the periodic checks found in the newest images: boundary, lines, exposure, colors.
+"""What the periodic checks found in the newest images: boundary, lines, contours, exposure, colors.
 
 A new check needs its record in ``vision_core.rtdb.records.CATALOG``, and here its model, its field of ``Checks`` and
 its line of ``checks_from``.
@@ -9,7 +9,16 @@ from app.web.reports.adaptation import Adaptation, adaptation_from
 from app.web.reports.base import Report
 from vision_core.rtdb import records
 from vision_core.rtdb.items import Timed
-from vision_core.types.regions import ColorDrift, ExposureCheck, FieldBoundary, Finding, LineCheck
+from vision_core.types.objects import Team
+from vision_core.types.regions import (
+    BallVisibility,
+    BodyContours,
+    ColorDrift,
+    ExposureCheck,
+    FieldBoundary,
+    Finding,
+    LineCheck,
+)
 
 
 class Check(Report):
@@ -17,6 +26,14 @@ class Check(Report):
 
     age_s: float
     """Age of the image that was checked [s]."""
+
+
+class RobotReport(Report):
+    """A robot, by its marker."""
+
+    team: Team
+    id: int | None
+    """Marker id; null where it cannot be read."""
 
 
 class BoundaryReport(Check):
@@ -47,6 +64,18 @@ class LinesReport(Check):
     """Share of all lines' points that lie outside of the picture."""
 
 
+class ContoursReport(Check):
+    """Where robots hide the floor, and what that says about the ball."""
+
+    ball: BallVisibility
+    """seen; may be hidden: robots cover the place where it should be; out of the picture; gone: it should be where
+    nothing hides it; unknown: it was not seen yet."""
+    hiding: list[RobotReport]
+    """Robots that cover some of the place where the ball should be."""
+    can_hide_ball: list[RobotReport]
+    """Robots behind which a ball that touches them may not be seen."""
+
+
 class ExposureReport(Check):
     """How light the field is [grey levels]; null where the picture shows nothing of the field."""
 
@@ -74,6 +103,7 @@ class Checks(Report):
 
     boundary: BoundaryReport | None
     lines: LinesReport | None
+    contours: ContoursReport | None
     exposure: ExposureReport | None
     colors: ColorsReport | None
     adaptation: Adaptation | None
@@ -85,6 +115,7 @@ def checks_from(snapshot: ServiceSnapshot) -> Checks:
     return Checks(
         boundary=_boundary(snapshot.recent(records.boundary)),
         lines=_lines(snapshot.recent(records.lines)),
+        contours=_contours(snapshot.recent(records.contours)),
         exposure=_exposure(snapshot.recent(records.exposure)),
         colors=_colors(snapshot.recent(records.colors)),
         adaptation=adaptation_from(snapshot),
@@ -109,6 +140,18 @@ def _lines(timed: Timed[Finding[LineCheck]] | None) -> LinesReport | None:
         samples=seen.samples,
         residual_px=seen.residual_px,
         outside=seen.outside,
+    )
+
+
+def _contours(timed: Timed[Finding[BodyContours]] | None) -> ContoursReport | None:
+    if timed is None:
+        return None
+    seen = timed.value.found
+    return ContoursReport(
+        age_s=timed.age_s,
+        ball=seen.ball,
+        hiding=[RobotReport(team=team, id=marker) for team, marker in seen.hiding],
+        can_hide_ball=[RobotReport(team=body.team, id=body.id) for body in seen.bodies if body.can_hide_ball],
     )
 
 

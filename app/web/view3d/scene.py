@@ -7,12 +7,13 @@ import viser
 from viser import _messages
 
 from app.web.view3d.robots import Robots3D
-from app.web.view3d.sights import Ball3D, Robot, Sights3D
+from app.web.view3d.sights import Ball3D, Contours3D, Robot, Sights3D
 from app.web.view3d.stadium import add_camera, add_field, add_walls
 from vision_core.models.camera_setup import CameraSetup
 from vision_core.models.from_settings import mirrors_of
 from vision_core.settings.schema import MatchSettings, Settings
 from vision_core.types.objects import Team
+from vision_core.types.regions import BodyContours
 from vision_core.types.tracks import RobotTrack, World
 from vision_core.types.views import Views
 
@@ -21,6 +22,7 @@ LAYERS: Mapping[str, tuple[str, ...]] = {
     "cameras": ("/cameras",),
     "robots": ("/robots",),
     "ball": ("/ball",),
+    "floor that robots hide": ("/contours",),
     "edges that robots see": ("/edges",),
     "rays of one robot": ("/rays",),
     "its mirror's horizon": ("/horizon",),
@@ -42,20 +44,29 @@ class Scene:
         """The robot whose rays are drawn."""
         scene = server.scene
         scene.set_background_image(np.full((2, 2, 3), BACKGROUND_RGB, dtype=np.uint8), format="png")
-        for layer in {node for nodes in LAYERS.values() for node in nodes} - {"/edges", "/rays", "/horizon"}:
+        for layer in {node for nodes in LAYERS.values() for node in nodes} - {
+            "/contours",
+            "/edges",
+            "/rays",
+            "/horizon",
+        }:
             scene.add_frame(layer, show_axes=False)
         add_field(scene, settings.field)
         add_walls(scene, settings, self._blue_defends)
         add_camera(scene, CameraSetup.from_settings(settings))
         self._robots = Robots3D(scene, settings)
         self._ball = Ball3D(scene, settings.ball.radius_m)
+        self._contours = Contours3D(scene)
         self._sights = Sights3D(scene)
         self._place_viewer()
         self._add_panel()
         server.on_client_connect(self._add_layers)
 
-    def show(self, world: World | None, views: Views | None, settings: Settings) -> None:
-        """Draw a world and the views that belong to it; None hides what moves. settings: those in effect."""
+    def show(self, world: World | None, views: Views | None, contours: BodyContours | None, settings: Settings) -> None:
+        """Draw a world, the views that belong to it and what robots hide from the camera; None hides what moves.
+
+        settings: those in effect.
+        """
         match = settings.match
         if match.blue_defends != self._blue_defends:
             self._blue_defends = match.blue_defends
@@ -64,6 +75,7 @@ class Scene:
         with self._server.atomic():
             self._robots.show(robots)
             self._ball.show(world.ball if world else None)
+            self._contours.show(contours.bodies if contours else ())
             shown = views.views if views else ()
             self._sights.show(shown, _by_number(robots, match), mirrors_of(settings.mirror), self.selected)
 

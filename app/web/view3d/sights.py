@@ -12,6 +12,7 @@ from vision_core.geometry import Floats, rotation
 from vision_core.models.mirror import MAX_PX, MM_PER_M, Mirror
 from vision_core.types.edges import EDGE_TYPES
 from vision_core.types.objects import Team
+from vision_core.types.regions import BodyContour
 from vision_core.types.tracks import BallTrack, RobotTrack
 from vision_core.types.views import ViewSnapshot
 
@@ -19,6 +20,7 @@ BALL_RGB = (250, 120, 30)
 HIDDEN_RGB = (150, 110, 80)
 """A ball that the camera does not see: its place is predicted."""
 HORIZON_RGB = (170, 120, 220)
+CONTOUR_RGB = (20, 20, 20)
 NOTHING_PX = 255
 RAY_HEIGHT_M = 0.02
 """Rays and edges are drawn this high over the floor."""
@@ -58,6 +60,25 @@ class Ball3D:
         points = np.array(self._trail, dtype=np.float32).reshape(-1, 2)
         line = np.column_stack([points, np.full(len(points), self._radius_m, dtype=np.float32)])
         self._line.points = np.stack([line[:-1], line[1:]], axis=1) if len(line) > 1 else PARKED
+
+
+class Contours3D:
+    """The parts of the floor that the camera cannot see for the robots."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._lines = scene.add_line_segments("/contours", PARKED, CONTOUR_RGB, thickness=0.004)
+
+    def show(self, bodies: Iterable[BodyContour]) -> None:
+        """Draw their outlines."""
+        outlines = [np.array(body.outline_m, dtype=np.float32) for body in bodies]
+        if not outlines:
+            self._lines.points = PARKED
+            return
+        floor = np.concatenate(outlines)
+        after = np.concatenate([np.roll(outline, -1, axis=0) for outline in outlines])
+        lines = np.full((len(floor), 2, 3), RAY_HEIGHT_M, dtype=np.float32)
+        lines[:, 0, :2], lines[:, 1, :2] = floor, after
+        self._lines.points = lines
 
 
 class Sights3D:

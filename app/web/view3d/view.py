@@ -116,7 +116,13 @@ class View3D:
             return
         snapshot = self._blackboard.read()
         world, views = snapshot.recent(records.WORLD), snapshot.recent(records.VIEWS)
-        self._scene.show(world.value if world else None, views.value if views else None, self._configuration.settings)
+        contours = snapshot.recent(records.contours)
+        self._scene.show(
+            world.value if world else None,
+            views.value if views else None,
+            contours.value.found if contours else None,
+            self._configuration.settings,
+        )
 
 
 async def _relay(page: WebSocket, server: "GuardedServer", may_look: Callable[[], bool]) -> None:

@@ -106,11 +106,13 @@ def test_status_tells_everything(http: httpx.Client, service: FakeService) -> No
     assert (camera["name"], camera["width_px"], camera["height_px"]) == ("main", 640, 480)
     assert (camera["robots"], camera["balls"], camera["obstacles"], camera["measured_rate_hz"]) == (10, 1, 2, 30.0)
     assert 0.0 <= camera["age_s"] < 5.0
-    watched = {name: camera[name] for name in ("boundary", "lines", "exposure", "colors")}
+    watched = {name: camera[name] for name in ("boundary", "lines", "contours", "exposure", "colors")}
     assert all(0.0 <= finding.pop("age_s") < 5.0 for finding in watched.values())
+    blue = {"team": "blue", "id": 3}
     assert watched == {
         "boundary": {"found": 0.94, "error_px": 0.3, "off_px": 0.6},
         "lines": {"known": 12, "found": 11, "samples": 0.97, "residual_px": 0.4, "outside": 0.0},
+        "contours": {"ball": "may be hidden", "hiding": [blue], "can_hide_ball": [blue]},
         "exposure": {"brightest": 231.0, "median_luma": 88.0, "white": 0.001, "reasons": []},
         "colors": {"gain_bgr": [1.02, 1.0, 0.97], "reason": ""},
     }

@@ -2163,6 +2163,12 @@ export interface components {
             who: string;
         };
         /**
+         * BallVisibility
+         * @description Whether the ball is seen, and what follows where it is not.
+         * @enum {string}
+         */
+        BallVisibility: "seen" | "may be hidden" | "out of the picture" | "gone" | "unknown";
+        /**
          * BoardReport
          * @description One picture of a board.
          */
@@ -2400,6 +2406,7 @@ export interface components {
             balls: number;
             boundary: components["schemas"]["BoundaryReport"] | null;
             colors: components["schemas"]["ColorsReport"] | null;
+            contours: components["schemas"]["ContoursReport"] | null;
             exposure: components["schemas"]["ExposureReport"] | null;
             /**
              * Frames
@@ -2804,6 +2811,32 @@ export interface components {
             height_mm: number;
             /** Horizon Px */
             horizon_px: number;
+        };
+        /**
+         * ContoursReport
+         * @description Where robots hide the floor, and what that says about the ball.
+         */
+        ContoursReport: {
+            /**
+             * Age S
+             * @description Age of the image that was checked [s].
+             */
+            age_s: number;
+            /**
+             * @description seen; may be hidden: robots cover the place where it should be; out of the picture; gone: it should be where
+             *     nothing hides it; unknown: it was not seen yet.
+             */
+            ball: components["schemas"]["BallVisibility"];
+            /**
+             * Can Hide Ball
+             * @description Robots behind which a ball that touches them may not be seen.
+             */
+            can_hide_ball: components["schemas"]["RobotReport"][];
+            /**
+             * Hiding
+             * @description Robots that cover some of the place where the ball should be.
+             */
+            hiding: components["schemas"]["RobotReport"][];
         };
         /**
          * CurvePoint
@@ -4853,6 +4886,18 @@ export interface components {
             sent: number;
             /** Sessions */
             sessions: number;
+            team: components["schemas"]["Team"];
+        };
+        /**
+         * RobotReport
+         * @description A robot, by its marker.
+         */
+        RobotReport: {
+            /**
+             * Id
+             * @description Marker id; null where it cannot be read.
+             */
+            id: number | null;
             team: components["schemas"]["Team"];
         };
         /**

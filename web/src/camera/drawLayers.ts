@@ -1,7 +1,7 @@
-// The layers of an overlay: classes, blobs, hypotheses, lines, end of the carpet.
+// The layers of an overlay: classes, blobs, hypotheses, lines, end of the carpet, contours.
 
 import { outlinedText } from "../canvas/drawing";
-import type { BlobsMessage, BoundaryMessage, Hypothesis, HypothesesMessage, LinesMessage } from "../live/messages";
+import type { BlobsMessage, BoundaryMessage, ContoursMessage, Hypothesis, HypothesesMessage, LinesMessage } from "../live/messages";
 import type { ClassRaster } from "./classes";
 import type { Item } from "./found";
 
@@ -9,6 +9,7 @@ export const REJECTED_COLOR = "#ff9d8a";
 const BLOB_COLOR = "#ffffff";
 const FOUND_COLOR = "#5ef0ff";
 const BOUNDARY_COLOR = "#ffe27a";
+const CONTOUR_COLOR = "#ffffff";
 const CHOSEN_COLOR = "#ffffff";
 const DIMMED = "#000000b0";
 
@@ -18,12 +19,14 @@ export interface Overlay {
   hypotheses: HypothesesMessage | null;
   lines: LinesMessage | null;
   boundary: BoundaryMessage | null;
+  contours: ContoursMessage | null;
 }
 
 /** Draw all layers that there are. scale: canvas pixels per picture pixel; size: of the picture [canvas px]. */
 export function drawLayers(pen: CanvasRenderingContext2D, scale: number, size: [number, number], overlay: Overlay, showRejected: boolean): void {
   if (overlay.classes) drawClasses(pen, scale, size, overlay.classes);
   for (const line of overlay.lines?.content ?? []) drawLine(pen, scale, line.points_px, line.is_found);
+  for (const contour of overlay.contours?.content ?? []) drawContour(pen, scale, contour.outline_px, contour.can_hide_ball);
   if (overlay.boundary) drawBoundary(pen, scale, overlay.boundary);
   for (const blob of overlay.blobs?.content.shown ?? []) drawBox(pen, scale, blob.box_px, BLOB_COLOR, 1);
   if (showRejected) for (const one of overlay.hypotheses?.content.shown ?? []) if (!one.is_accepted) drawRejected(pen, scale, one);
@@ -64,6 +67,16 @@ function drawBoundary(pen: CanvasRenderingContext2D, scale: number, message: Bou
     if (x === null || y === null) continue;
     pen.fillRect(x * scale - 2, y * scale - 2, 4, 4);
   }
+}
+
+/** A thick line says that a ball may be hidden behind the robot. */
+function drawContour(pen: CanvasRenderingContext2D, scale: number, points: [number | null, number | null][], isThick: boolean): void {
+  pen.strokeStyle = CONTOUR_COLOR;
+  pen.lineWidth = isThick ? 3 : 1;
+  pen.beginPath();
+  for (const [x, y] of points) if (x !== null && y !== null) pen.lineTo(x * scale, y * scale);
+  pen.closePath();
+  pen.stroke();
 }
 
 function drawBox(pen: CanvasRenderingContext2D, scale: number, [left, top, right, bottom]: readonly number[], shade: string, wide: number): void {

@@ -12,6 +12,7 @@ export interface Layers {
   classes: boolean;
   lines: boolean;
   boundary: boolean;
+  contours: boolean;
   masks: boolean;
 }
 
@@ -23,6 +24,7 @@ export const WORDS: Record<keyof Layers, [label: string, title: string]> = {
   classes: ["color classes", "The color class of every pixel"],
   lines: ["lines", "The painted lines where the camera model has them: solid where the paint is there, dashed where it is not"],
   boundary: ["end of the carpet", "Where the carpet ends in the picture"],
+  contours: ["contours", "What the robots cover of the floor: thick where a ball behind the robot may not be seen"],
   masks: ["masks", "Where nothing is looked for"],
 };
 
@@ -30,7 +32,7 @@ export const layers = reactive<Layers>(stored());
 watch(layers, () => localStorage.setItem(KEY, JSON.stringify(layers)));
 
 function stored(): Layers {
-  const found: Layers = { robots: true, obstacles: true, rejected: false, blobs: false, classes: false, lines: false, boundary: false, masks: true };
+  const found: Layers = { robots: true, obstacles: true, rejected: false, blobs: false, classes: false, lines: false, boundary: false, contours: false, masks: true };
   try {
     const kept = JSON.parse(localStorage.getItem(KEY) ?? "{}") as Partial<Record<string, unknown>>;
     for (const key of Object.keys(found) as (keyof Layers)[]) if (typeof kept[key] === "boolean") found[key] = kept[key];

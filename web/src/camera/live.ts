@@ -2,7 +2,7 @@
 
 import { computed, onScopeDispose, ref, shallowRef, watch, type ComputedRef, type Ref, type ShallowRef } from "vue";
 
-import type { BlobsMessage, BoundaryMessage, ClassesMessage, HypothesesMessage, LinesMessage, PictureMessage, SightingsMessage } from "../live/messages";
+import type { BlobsMessage, BoundaryMessage, ClassesMessage, ContoursMessage, HypothesesMessage, LinesMessage, PictureMessage, SightingsMessage } from "../live/messages";
 import { useTopic, useTopicWhile } from "../live/service";
 import { rasterOf, type ClassRaster } from "./classes";
 import type { Shown } from "./draw";
@@ -31,12 +31,13 @@ function useOverlay() {
   const classes = useTopicWhile<ClassesMessage>("overlay/classes", () => layers.classes);
   const lines = useTopicWhile<LinesMessage>("overlay/lines", () => layers.lines);
   const boundary = useTopicWhile<BoundaryMessage>("overlay/boundary", () => layers.boundary);
+  const contours = useTopicWhile<ContoursMessage>("overlay/contours", () => layers.contours);
   const raster = shallowRef<ClassRaster | null>(null);
   watch(classes, async (message) => {
     const made = message && (await rasterOf(message));
     if (classes.value === message) raster.value = made;
   });
-  return computed(() => ({ hypotheses: hypotheses.value, blobs: blobs.value, classes: classes.value, raster: raster.value, lines: lines.value, boundary: boundary.value }));
+  return computed(() => ({ hypotheses: hypotheses.value, blobs: blobs.value, classes: classes.value, raster: raster.value, lines: lines.value, boundary: boundary.value, contours: contours.value }));
 }
 
 export function useCameraLive(): CameraLive {
@@ -61,8 +62,8 @@ export function useCameraLive(): CameraLive {
   onScopeDispose(() => pictures.clear());
 
   const messages = computed(() => {
-    const { hypotheses, blobs, classes, lines, boundary } = kept.value.overlay;
-    return [hypotheses, blobs, classes, lines, boundary].filter((message) => message !== null);
+    const { hypotheses, blobs, classes, lines, boundary, contours } = kept.value.overlay;
+    return [hypotheses, blobs, classes, lines, boundary, contours].filter((message) => message !== null);
   });
   const overlayOf = computed(() => messages.value.reduce<{ frame: number; grabbed_s: number } | null>((old, one) => (old === null || one.grabbed_s < old.grabbed_s ? one : old), null));
   const picture = shallowRef<PictureMessage | null>(null);
@@ -73,8 +74,8 @@ export function useCameraLive(): CameraLive {
 
   const shown = computed(() => {
     if (!picture.value) return null;
-    const { hypotheses, blobs, raster, lines, boundary } = kept.value.overlay;
-    const drawn = { hypotheses, blobs, classes: raster, lines, boundary };
+    const { hypotheses, blobs, raster, lines, boundary, contours } = kept.value.overlay;
+    const drawn = { hypotheses, blobs, classes: raster, lines, boundary, contours };
     return { bitmap: picture.value.bitmap, seen: kept.value.seen, overlay: drawn, isOverlayOld: isOverlayOld.value, show: { ...layers } };
   });
   const items = computed(() => {

@@ -128,6 +128,7 @@ export interface Hypothesis {
 }
 export type HypothesesMessage = OverlayMessage<{ shown: Hypothesis[]; count: number }>;
 export type LinesMessage = OverlayMessage<{ points_px: [number, number][]; is_found: boolean; offset_px: number | null; found: string; accepted: string }[]>;
+export type ContoursMessage = OverlayMessage<{ team: Color; id: number | null; outline_px: [number | null, number | null][]; can_hide_ball: boolean }[]>;
 export type BoundaryMessage = OverlayMessage<{ points_px: [number | null, number | null][]; confidences: number[]; found: number; error_px: number | null; off_px: number | null }>;
 
 const PICTURE = 1;
