@@ -22,7 +22,7 @@ from vision_core.rtdb.infos import ServiceInfo
 from vision_core.rtdb.task import DRIVER, MAX_RUN_S, ORDINARY_MAX_RUN_S, Task
 from vision_core.settings.layers import Layer
 from vision_core.settings.schema import Settings
-from vision_core.tasks.table import COMPILER, COMPILER_OF_OTHERS, LOG_READER, RESPONDER, record_specs, task_table
+from vision_core.tasks.table import COMPILER, COMPILER_OF_OTHERS, LOG_READER, RESPONDER, WEB, record_specs, task_table
 
 SPARES = ("spare-1", "spare-2")
 """Names of the warm spares; names of tasks have no dash."""
@@ -82,7 +82,8 @@ def plan_service(
     check: command that finds out whether the service would start again. compiles: kernels may be missing.
     """
     compilers = (_compiler(COMPILER), _compiler(COMPILER_OF_OTHERS, after=COMPILER, may_fail=True)) if compiles else ()
-    children = (_log_reader(), *compilers, _responder(), *_child_plans(info.tasks, info.settings))
+    processes = _child_plans(info.tasks, info.settings, compiles=compiles)
+    children = (_log_reader(), *compilers, _responder(), *processes)
     with_heartbeat = (*(child.name for child in children), *SPARES)
     log, output = log_sockets()
     return ServicePlan(
@@ -177,7 +178,7 @@ def _log_reader() -> ChildPlan:
     )
 
 
-def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPlan]:
+def _child_plans(tasks: Sequence[Task], settings: Settings, *, compiles: bool) -> Iterator[ChildPlan]:
     """Every process that the table names, in the table's order."""
     for process in dict.fromkeys(task.process for task in tasks):
         ours = [task for task in tasks if task.process == process]
@@ -188,7 +189,7 @@ def _child_plans(tasks: Sequence[Task], settings: Settings) -> Iterator[ChildPla
             wakes=() if own_loop else tuple(sorted({record for task in ours for record in _wakes(task, tasks)})),
             writes=tuple(record for task in ours for record in task.writes),
             sockets=tuple(name for task in ours for name in task.sockets),
-            after=_compiler_for(ours),
+            after=_compiler_for(ours) if compiles else _ready_before(ours),
             once=False,
             heartbeat_s=HEARTBEAT_S + max(_slack_s(task, settings) for task in ours),
             longest_run_s=_longest_run_s(ours),
@@ -202,6 +203,12 @@ def _compiler_for(tasks: Sequence[Task]) -> str:
     if any(task.on_frame_path for task in tasks):
         return COMPILER
     return COMPILER_OF_OTHERS if any(task.needs_kernels for task in tasks) else ""
+
+
+def _ready_before(tasks: Sequence[Task]) -> str:
+    """Name of the process whose first heartbeat these tasks wait for: robots are served and the page answers first."""
+    is_needed = any(task.on_frame_path or task.own_loop for task in tasks)
+    return "" if is_needed else WEB
 
 
 def _wakes(task: Task, tasks: Sequence[Task]) -> tuple[str, ...]:

@@ -85,6 +85,12 @@ class Child:
         }
 
     @property
+    def holds_others(self) -> bool:
+        """Do those that are to be started after it still wait?"""
+        is_new = self.state in (ProcessState.WAITING, ProcessState.STARTING)
+        return is_new or (self.plan.once and self.state is ProcessState.RUNNING)
+
+    @property
     def is_warm(self) -> bool:
         """Does it wait for ``begin``, with everything loaded?"""
         return self.state is ProcessState.RUNNING and self.process is not None and self.process.stdin is not None

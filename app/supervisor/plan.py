@@ -24,7 +24,8 @@ class ChildPlan:
     sockets: tuple[str, ...]
     """Sockets that it inherits, by name."""
     after: str
-    """Name of a process that runs once: this one is started when that has ended. Empty: it is started at once."""
+    """Name of a process that this one waits for: until that has ended if it runs once, else until its first heartbeat
+    or crash. Empty: it is started at once."""
     once: bool
     """It ends by itself."""
     heartbeat_s: float

@@ -111,14 +111,12 @@ class Supervisor:
         """
         self._control = ControlSocket(self._plan.control, self._answer)
         self._family.write(carried)
-        names = {child.plan.name for child in self.children}
         name_process("pslv:supervisor")
         go_first()
         for child in self.children:
             if child.is_warm:
                 child.begin(time.monotonic_ns())
-            elif child.plan.after not in names:
-                self._start(child, time.monotonic_ns())
+        self._start_waiting(time.monotonic_ns())
 
     def run(self, is_over: Callable[[], bool]) -> None:
         """Keep the children running until something is over, or SIGINT or SIGTERM comes."""
@@ -167,6 +165,7 @@ class Supervisor:
         self._last_turn = now
         for child in self._all:
             self._check(child, now)
+        self._start_waiting(now)
         for child in self.children:
             if child.state == ProcessState.RESTARTING and now >= child.due:
                 self._replace(child, now)
@@ -234,7 +233,7 @@ class Supervisor:
                 self._read_progress(child.process.stdout.fileno())  # its last line, written just before it ended
             child.reap(now)
             if child.plan.once:
-                self._ran_once(child, now)
+                self._ran_once(child)
             else:
                 self.say(f"{child.plan.title} {child.detail}: {_consequence(child)}")
         elif child.process is not None:
@@ -246,11 +245,14 @@ class Supervisor:
                 self.say(f"{child.plan.title} does not answer and is killed")
                 child.kill()
 
-    def _start(self, child: Child, now: int) -> None:
-        """Start a child for the first time; one that runs once and cannot be started has failed."""
-        child.start(now)
-        if child.plan.once and child.process is None:
-            self._ran_once(child, now)
+    def _start_waiting(self, now: int) -> None:
+        """Start the children that wait for nothing any more. One that runs once and cannot be started has failed."""
+        holding = {child.plan.name for child in self.children if child.holds_others}
+        for child in self.children:
+            if child.state is ProcessState.WAITING and child.plan.after not in holding and not self._failed:
+                child.start(now)
+                if child.plan.once and child.process is None:
+                    self._ran_once(child)
 
     def _replace(self, child: Child, now: int) -> None:
         """Start a child again: from a warm spare if one is ready."""
@@ -260,8 +262,8 @@ class Supervisor:
         else:
             self.say(f"{spare.plan.name} takes the place of {child.plan.title}")
 
-    def _ran_once(self, child: Child, now: int) -> None:
-        """Start the processes that wait for one that runs once; end the service when it failed and must not fail."""
+    def _ran_once(self, child: Child) -> None:
+        """Note the end of a process that runs once; end the service when it failed and must not fail."""
         self._progress("")
         if child.state != ProcessState.DONE:
             consequence = (
@@ -270,10 +272,6 @@ class Supervisor:
             self.say(f"{child.plan.name} {child.detail}: {consequence}")
             if not child.plan.may_fail:
                 self._failed = self._stopping = True
-                return
-        for other in self.children:
-            if other.plan.after == child.plan.name:
-                self._start(other, now)
 
     def _publish(self, now: int) -> None:
         """Write the table of processes when it has changed, and every PUBLISH_EVERY_S as the supervisor's heartbeat."""

@@ -18,6 +18,8 @@ from vision_core.scheduling.attachment import monotonic
 
 ONCE = ("job", "attempt")
 """Names of sleepers that run once; the others wait for the first of them."""
+AFTER = {"second": "first", "patient": "unborn"}
+"""Sleepers that wait for another's first heartbeat, or its crash."""
 
 
 def main(arguments: list[str]) -> int:
@@ -31,7 +33,7 @@ def main(arguments: list[str]) -> int:
             wakes=(),
             writes=(),
             sockets=(LOG,) if name == "reader" else (),
-            after="" if name in ONCE else next((once for once in ONCE if once in names), ""),
+            after=AFTER.get(name, "" if name in ONCE else next((once for once in ONCE if once in names), "")),
             once=name in ONCE,
             may_fail=name == "attempt",
             heartbeat_s=0.5,

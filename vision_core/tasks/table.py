@@ -43,6 +43,8 @@ GIVEN = {**dict.fromkeys(("service", "processes", "selftest"), "supervisor"), "l
 """Records that no task writes, and which process does."""
 SOURCE = "source"
 """Task that plays the camera when the source is no device."""
+WEB = "web"
+"""Task that shows the page."""
 RESERVED = (COMPILER, COMPILER_OF_OTHERS, RESPONDER, LOG_READER)
 """Processes that run no task of the table."""
 MAX_OWN = 65536
@@ -115,7 +117,7 @@ def _built_in(settings: Settings) -> Iterator[Task]:
     shown += ["processes", "selftest", "log", "world", "views", "serving", "lags", "fairness", "fairness_ended"]
     shown += _game_records(settings)
     yield line(
-        "web",
+        WEB,
         NONE,
         shown,
         ["live_settings", "restart_request", looks],

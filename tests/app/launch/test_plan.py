@@ -1,5 +1,6 @@
 """The plan of a service: its processes with their modules and limits, and what is refused before anything starts."""
 
+import contextlib
 import os
 import stat
 from collections.abc import Iterator
@@ -30,15 +31,30 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def plan() -> Iterator[ServicePlan]:
-    """Of the default settings, on free ports."""
+def prepared() -> Prepared:
+    """The default settings, on free ports."""
     layers = layers_of(options={"server.port": 0, "server.udp_port": 0})
-    prepared = Prepared(settings_from_layers(layers), layers, Path("venue.db"), "default")
+    return Prepared(settings_from_layers(layers), layers, Path("venue.db"), "default")
+
+
+@contextlib.contextmanager
+def laid_out(prepared: Prepared, *, compiles: bool) -> Iterator[ServicePlan]:
+    """The plan of a service with these settings."""
     sockets = open_sockets(prepared.settings.server)
-    made = plan_service(service_info(prepared, sockets, version="1", boot=Instant(1), restarts=0), sockets)
-    yield made
-    for opened in made.sockets.values():
-        opened.close()
+    info = service_info(prepared, sockets, version="1", boot=Instant(1), restarts=0)
+    made = plan_service(info, sockets, compiles=compiles)
+    try:
+        yield made
+    finally:
+        for opened in made.sockets.values():
+            opened.close()
+
+
+@pytest.fixture
+def plan(prepared: Prepared) -> Iterator[ServicePlan]:
+    """Of a first start."""
+    with laid_out(prepared, compiles=True) as made:
+        yield made
 
 
 def child(plan: ServicePlan, name: str) -> ChildPlan:
@@ -65,6 +81,15 @@ def test_the_frame_path_waits_for_its_own_kernels_alone(plan: ServicePlan) -> No
     }
     assert after["diagnose"] == after["watch"] == "compile_others"
     assert [each.name for each in plan.children if each.may_fail] == ["compile_others"]
+
+
+def test_with_all_kernels_on_disk_what_watches_waits_for_the_page(prepared: Prepared) -> None:
+    with laid_out(prepared, compiles=False) as plan:
+        after = {each.name: each.after for each in plan.children}
+    assert {name for name, other in after.items() if not other} == {
+        *("log_reader", "responder", "capture", "source", "perceive", "serve", "web"),
+    }
+    assert set(after.values()) == {"", "web"}
 
 
 def test_a_process_says_for_a_person_what_its_tasks_do(plan: ServicePlan) -> None:

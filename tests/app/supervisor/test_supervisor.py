@@ -175,6 +175,15 @@ def test_the_others_are_started_after_a_job_that_may_fail_and_fails() -> None:
 
 
 @pytest.mark.slow
+def test_one_that_waits_for_another_is_started_when_that_runs_or_has_crashed() -> None:
+    with service("second", "first") as started:
+        table = started.running("first", "second")
+        assert table["second"]["pid"] > table["first"]["pid"]
+    with service("patient", "unborn") as started:
+        started.running("patient")
+
+
+@pytest.mark.slow
 def test_a_spare_takes_the_place_of_a_killed_process_and_is_replaced_itself() -> None:
     with service("one", "two", "2") as started:
         before = started.running("one", "two", *SPARES)
