@@ -10,8 +10,9 @@ from collections.abc import Callable
 
 import msgspec
 
-from app.launch.resource_owners import device_holder, device_path
-from vision_core.errors import PslvError
+from app.launch.resource_owners import device_holder
+from vision_core.capture.devices import device_path
+from vision_core.errors import PslvError, SourceError
 from vision_core.rtdb.infos import SelfTest
 from vision_core.scheduling import selftest
 from vision_core.settings.schema import Settings
@@ -60,5 +61,8 @@ def try_settings(settings: Settings, *, opens_source: bool = True) -> list[str]:
 def _in_use_by(settings: Settings) -> str:
     """The program that has the camera open already; empty when none is known."""
     device = settings.source.device
-    holder = device_holder(device_path(device)) if device is not None else None
+    holder = None
+    if device is not None:
+        with contextlib.suppress(SourceError):
+            holder = device_holder(device_path(device))
     return f"; {holder} has it open" if holder else ""

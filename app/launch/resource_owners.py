@@ -5,6 +5,7 @@ import socket
 from collections.abc import Collection
 from pathlib import Path
 
+from vision_core.capture.devices import device_path
 from vision_core.errors import ServiceError
 from vision_core.net.unix_peers import process_and_user
 
@@ -30,17 +31,13 @@ def device_holder(path: str) -> str | None:
     return _first(_holders({os.path.realpath(path)}) - {os.getpid()})
 
 
-def device_path(device: str) -> str:
-    """The file of a camera. device: "0" or "/dev/video0"."""
-    return os.path.realpath(f"/dev/video{device}" if device.isdigit() else device)
-
-
 def lock_camera(device: str) -> socket.socket:
-    """Hold a camera for this service until the socket is closed. device: "0" or "/dev/video0".
+    """Hold a camera for this service until the socket is closed. device: as of ``device_path``.
 
-    Raises ServiceError naming the service that holds it. The lock is an abstract socket: it vanishes with its process.
+    Raises SourceError when there is no such camera, and ServiceError naming the service that holds it. The lock is an
+    abstract socket: it vanishes with its process.
     """
-    path = device_path(device)
+    path = os.path.realpath(device_path(device))
     lock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         lock.bind(f"\0{PREFIX}{path}")

@@ -9,5 +9,5 @@ Sources without a driver (files, the simulated camera) deliver on an absolute gr
 ``timing.rate_keeper``: a late source skips whole periods, and frames never follow each other faster.
 
 Files, outside in: ``source`` (the interface, and the choice by address), ``playback`` (pictures and videos), ``camera``
-(V4L2), ``synthetic`` (a rendered world).
+(V4L2), ``devices`` (by name or serial number), ``synthetic`` (a rendered world).
 """

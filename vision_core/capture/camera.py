@@ -5,6 +5,7 @@ documentation. OpenCV gives up waiting for a camera that stops delivering after 
 much earlier.
 """
 
+from vision_core.capture.devices import device_path
 from vision_core.capture.playback import check_size
 from vision_core.clock import NS_PER_MS, NS_PER_S, Clock, Instant
 from vision_core.errors import SourceError
@@ -31,7 +32,7 @@ class DeviceCamera:
         self._device = device
         self._clock = clock
         self._last = clock.now()
-        self._video = open_camera(device, *camera.size_px, camera.rate_hz)
+        self._video = open_camera(device_path(device), *camera.size_px, camera.rate_hz)
         self.rate_hz = self._video.rate_hz or camera.rate_hz
         try:
             check_size(f"camera {device}", (self._video.width_px, self._video.height_px), self._size_px)

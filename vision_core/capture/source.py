@@ -10,7 +10,7 @@ from vision_core.models.camera_setup import CameraSetup
 from vision_core.settings.schema import SYNTHETIC, Settings
 from vision_core.timing.rate_keeper import Keeper
 
-ACCEPTED = "synthetic, file:<picture, folder or video>, camera:<number or path of the device>"
+ACCEPTED = "synthetic, file:<picture, folder or video>, camera:<number or path of the device, name=... or serial=...>"
 
 
 class ImageSource(Protocol):

@@ -263,8 +263,8 @@ def open_video(path: Path) -> Video:
 
 
 def open_camera(device: str, width_px: int, height_px: int, rate_hz: float) -> Video:
-    """Open a V4L2 camera by number or path and ask for a size and rate; it may deliver others. Raises SourceError."""
-    capture = cv2.VideoCapture(f"/dev/video{device}" if device.isdecimal() else device, cv2.CAP_V4L2)
+    """Open a V4L2 camera by its device file and ask for a size and rate; it may deliver others. Raises SourceError."""
+    capture = cv2.VideoCapture(device, cv2.CAP_V4L2)
     if not capture.isOpened():
         present = ", ".join(sorted(str(path) for path in Path("/dev").glob("video*")))
         found = "no such device, or it is in use, or it is no camera"

@@ -49,7 +49,9 @@ SYNTHETIC = "synthetic"
 class SourceSettings(Record, frozen=True):
     """The source of images."""
 
-    uri: Annotated[str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n or path>")]
+    uri: Annotated[
+        str, Meta(description="synthetic, file:<picture, folder or video> or camera:<n, path, name=.. or serial=..>")
+    ]
 
     @property
     def kind(self) -> str:
@@ -58,7 +60,7 @@ class SourceSettings(Record, frozen=True):
 
     @property
     def device(self) -> str | None:
-        """Number or path of the camera that the address names; None: no device, images are made when requested."""
+        """The camera that the address names, as of ``capture.devices``; None: no device, images are made when requested."""
         kind, _, device = self.uri.partition(":")
         return device if kind == "camera" and device else None
 
