@@ -60,7 +60,7 @@ class SourceSettings(Record, frozen=True):
 
     @property
     def device(self) -> str | None:
-        """The camera that the address names, as of ``capture.devices``; None: no device, images are made when requested."""
+        """The camera that the address names, as of ``capture.devices``; None: no device, images are made on request."""
         kind, _, device = self.uri.partition(":")
         return device if kind == "camera" and device else None
 
