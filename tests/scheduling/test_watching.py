@@ -26,6 +26,7 @@ from vision_core.venues.loader import load_settings
 SETTINGS = load_settings()
 CAMERA = SETTINGS.camera
 FRAMES = records.frames(CAMERA.name, CAMERA.width_px, CAMERA.height_px)
+SIGHTINGS = records.sightings(CAMERA.name).spec
 WATCHERS: list[tuple[Any, Item[Any], type[Any]]] = [
     (boundary, records.boundary(CAMERA.name), FieldBoundary),
     (lines, records.lines(CAMERA.name), LineCheck),
@@ -41,8 +42,8 @@ class Watch:
     """One watching task on a database of its own."""
 
     def __init__(self, module: Any, item: Item[Any]) -> None:
-        task = line("watch", PERIOD, (FRAMES.name,), (item.spec.name,), "watch", period_s=0.1)
-        specs = (FRAMES, item.spec, records.heartbeat("watch"))
+        task = line("watch", PERIOD, (FRAMES.name, SIGHTINGS.name), (item.spec.name,), "watch", period_s=0.1)
+        specs = (FRAMES, SIGHTINGS, item.spec, records.heartbeat("watch"))
         self._block = create_block(specs)
         self._attachment = Attachment(ChildResources("watch", os.getpid(), 0, self._block, specs, None, {}, {}))
         self._frames = self._attachment.store.writer(FRAMES.name)

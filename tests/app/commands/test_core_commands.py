@@ -20,7 +20,7 @@ def test_the_table_shows_every_task_and_that_it_is_in_order() -> None:
     assert "every 400 ms + 37" in lines["lines"]
     assert "watch" in lines["colors"]
     assert "ordinary" in lines["web"]
-    assert "in order: 14 tasks in 9 processes" in done.output
+    assert "in order: 15 tasks in 9 processes" in done.output
 
 
 def test_a_check_warns_and_refuses(tmp_path: Path) -> None:

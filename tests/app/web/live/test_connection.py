@@ -309,7 +309,7 @@ def test_in_a_match_viewers_see_late_operators_at_once_and_teams_their_own_robot
         with page(server, "world,picture,overlay/blobs") as viewer, page(server, "world", service.operator) as operator:
             for _ in range(5):
                 at_once = update(operator)["world"]
-                assert at_once["now_s"] - at_once["grabbed_s"] < 0.5
+                assert at_once["now_s"] - at_once["grabbed_s"] < 0.9
             late = update(viewer)
             world = late["world"]
             end_s = update(operator)["world"]["now_s"]
@@ -321,7 +321,7 @@ def test_in_a_match_viewers_see_late_operators_at_once_and_teams_their_own_robot
             assert update(operator)["world"]["now_s"] - late["overlay/blobs"]["grabbed_s"] > 0.9
         with page(server, "status,view/blue/2", team) as own:
             view = update(own).get("view/blue/2") or update(own)["view/blue/2"]
-            assert view["now_s"] - view["grabbed_s"] < 0.5
+            assert view["now_s"] - view["grabbed_s"] < 0.9
         for foreign in ("view/yellow/2", "world", "picture", "overlay/blobs"):
             with page(server, foreign, team) as other:
                 assert "is not for your team" in refused(other)
